@@ -1,0 +1,192 @@
+//! Colours: sRGB in files and flags, linear in shading. This module is the only one that converts.
+
+/// An sRGB colour of 8 bits a channel with straight (un-premultiplied) alpha, as it stands in files and flags.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Srgb8 {
+    /// Red, 0–255.
+    pub r: u8,
+    /// Green, 0–255.
+    pub g: u8,
+    /// Blue, 0–255.
+    pub b: u8,
+    /// Opacity, 0–255.
+    pub a: u8,
+}
+
+impl Srgb8 {
+    /// Black, opaque.
+    pub const BLACK: Srgb8 = Srgb8::rgb(0, 0, 0);
+    /// White, opaque.
+    pub const WHITE: Srgb8 = Srgb8::rgb(255, 255, 255);
+
+    /// An opaque colour.
+    #[must_use]
+    pub const fn rgb(r: u8, g: u8, b: u8) -> Srgb8 {
+        Srgb8 { r, g, b, a: 255 }
+    }
+
+    /// An opaque colour from `0xRRGGBB`.
+    #[must_use]
+    pub const fn from_rgb_u32(rgb: u32) -> Srgb8 {
+        Srgb8::rgb((rgb >> 16) as u8, (rgb >> 8) as u8, rgb as u8)
+    }
+
+    /// Linear red, green and blue, 0–1.
+    ///
+    /// ```
+    /// use ballstick::color::Srgb8;
+    /// let grey = Srgb8::rgb(188, 188, 188).to_linear();
+    /// assert!((grey[0] - 0.5).abs() < 0.005);
+    /// ```
+    #[must_use]
+    pub fn to_linear(self) -> [f32; 3] {
+        [SRGB_TO_LINEAR[usize::from(self.r)], SRGB_TO_LINEAR[usize::from(self.g)], SRGB_TO_LINEAR[usize::from(self.b)]]
+    }
+
+    /// The nearest colour to a linear one; channels outside 0–1 (and NaN, as 0) are clamped.
+    #[must_use]
+    pub fn from_linear(rgb: [f32; 3], alpha: f32) -> Srgb8 {
+        let quantise = |x: f32| (x * 255.0 + 0.5) as u8; // `as` clamps and turns NaN, which clamp keeps, into 0
+        Srgb8 {
+            r: quantise(srgb_from_linear(rgb[0])),
+            g: quantise(srgb_from_linear(rgb[1])),
+            b: quantise(srgb_from_linear(rgb[2])),
+            a: quantise(alpha),
+        }
+    }
+
+    /// A colour by `#rgb`, `#rrggbb`, `#rrggbbaa` (the `#` may be left out) or CSS name (`white`, `steelblue`).
+    /// `None` for anything else.
+    #[must_use]
+    pub fn parse(text: &str) -> Option<Srgb8> {
+        let text = text.trim().to_ascii_lowercase();
+        if let Some(&(_, rgb)) = NAMED.iter().find(|(name, _)| *name == text) {
+            return Some(Srgb8::from_rgb_u32(rgb));
+        }
+        let hex = text.strip_prefix('#').unwrap_or(&text);
+        if !hex.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+            return None;
+        }
+        let digit = |i: usize| hex.get(i..=i).and_then(|d| u8::from_str_radix(d, 16).ok());
+        let pair = |i: usize| hex.get(i..i + 2).and_then(|d| u8::from_str_radix(d, 16).ok());
+        match hex.len() {
+            3 => Some(Srgb8::rgb(digit(0)? * 17, digit(1)? * 17, digit(2)? * 17)),
+            6 => Some(Srgb8::rgb(pair(0)?, pair(2)?, pair(4)?)),
+            8 => Some(Srgb8 { r: pair(0)?, g: pair(2)?, b: pair(4)?, a: pair(6)? }),
+            _ => None,
+        }
+    }
+}
+
+impl std::fmt::Display for Srgb8 {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "#{:02x}{:02x}{:02x}", self.r, self.g, self.b)?;
+        if self.a == 255 { Ok(()) } else { write!(f, "{:02x}", self.a) }
+    }
+}
+
+/// One channel, IEC 61966-2-1: linear 0–1 (clamped to it) to sRGB 0–1.
+#[must_use]
+pub fn srgb_from_linear(x: f32) -> f32 {
+    let x = x.clamp(0.0, 1.0);
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// One channel, IEC 61966-2-1: sRGB 0–1 to linear 0–1.
+#[must_use]
+pub fn linear_from_srgb(x: f32) -> f32 {
+    if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+}
+
+static SRGB_TO_LINEAR: std::sync::LazyLock<[f32; 256]> =
+    std::sync::LazyLock::new(|| std::array::from_fn(|i| linear_from_srgb(i as f32 / 255.0)));
+
+/// The 16 colours of HTML 4 and the CSS names that pictures of molecules use, CSS Color Module Level 4 values.
+const NAMED: &[(&str, u32)] = &[
+    ("aqua", 0x00_FF_FF),
+    ("beige", 0xF5_F5_DC),
+    ("black", 0x00_00_00),
+    ("blue", 0x00_00_FF),
+    ("brown", 0xA5_2A_2A),
+    ("coral", 0xFF_7F_50),
+    ("cyan", 0x00_FF_FF),
+    ("darkblue", 0x00_00_8B),
+    ("darkgray", 0xA9_A9_A9),
+    ("darkgreen", 0x00_64_00),
+    ("darkgrey", 0xA9_A9_A9),
+    ("darkred", 0x8B_00_00),
+    ("dimgray", 0x69_69_69),
+    ("dimgrey", 0x69_69_69),
+    ("forestgreen", 0x22_8B_22),
+    ("fuchsia", 0xFF_00_FF),
+    ("gainsboro", 0xDC_DC_DC),
+    ("gold", 0xFF_D7_00),
+    ("gray", 0x80_80_80),
+    ("green", 0x00_80_00),
+    ("grey", 0x80_80_80),
+    ("indigo", 0x4B_00_82),
+    ("ivory", 0xFF_FF_F0),
+    ("khaki", 0xF0_E6_8C),
+    ("lavender", 0xE6_E6_FA),
+    ("lightblue", 0xAD_D8_E6),
+    ("lightgray", 0xD3_D3_D3),
+    ("lightgreen", 0x90_EE_90),
+    ("lightgrey", 0xD3_D3_D3),
+    ("lime", 0x00_FF_00),
+    ("magenta", 0xFF_00_FF),
+    ("maroon", 0x80_00_00),
+    ("midnightblue", 0x19_19_70),
+    ("navy", 0x00_00_80),
+    ("olive", 0x80_80_00),
+    ("orange", 0xFF_A5_00),
+    ("orchid", 0xDA_70_D6),
+    ("pink", 0xFF_C0_CB),
+    ("plum", 0xDD_A0_DD),
+    ("purple", 0x80_00_80),
+    ("red", 0xFF_00_00),
+    ("salmon", 0xFA_80_72),
+    ("silver", 0xC0_C0_C0),
+    ("skyblue", 0x87_CE_EB),
+    ("slategray", 0x70_80_90),
+    ("slategrey", 0x70_80_90),
+    ("steelblue", 0x46_82_B4),
+    ("tan", 0xD2_B4_8C),
+    ("teal", 0x00_80_80),
+    ("tomato", 0xFF_63_47),
+    ("turquoise", 0x40_E0_D0),
+    ("violet", 0xEE_82_EE),
+    ("wheat", 0xF5_DE_B3),
+    ("white", 0xFF_FF_FF),
+    ("whitesmoke", 0xF5_F5_F5),
+    ("yellow", 0xFF_FF_00),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_byte_survives_the_way_to_linear_and_back() {
+        for i in 0..=255u8 {
+            let color = Srgb8::rgb(i, i, i);
+            assert_eq!(Srgb8::from_linear(color.to_linear(), 1.0), color);
+        }
+    }
+
+    #[test]
+    fn parses_names_and_hex_and_refuses_the_rest() {
+        assert_eq!(Srgb8::parse("white"), Some(Srgb8::WHITE));
+        assert_eq!(Srgb8::parse("#f80"), Some(Srgb8::rgb(255, 136, 0)));
+        assert_eq!(Srgb8::parse("102030"), Some(Srgb8::rgb(16, 32, 48)));
+        assert_eq!(Srgb8::parse("#10203040"), Some(Srgb8 { r: 16, g: 32, b: 48, a: 64 }));
+        for text in ["", "#", "#12", "#12345", "#ggg", "whit", "+12345", "é12"] {
+            assert_eq!(Srgb8::parse(text), None, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn out_of_range_and_nan_are_clamped() {
+        assert_eq!(Srgb8::from_linear([f32::NAN, -1.0, 9.0], 2.0), Srgb8 { r: 0, g: 0, b: 255, a: 255 });
+    }
+}

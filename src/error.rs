@@ -1,0 +1,72 @@
+//! Errors, by whose fault they are. No other error type leaves the library.
+
+use std::path::PathBuf;
+
+/// What can go wrong.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The file is not what it should be.
+    #[error("{}", at_line(*line, message))]
+    Input {
+        /// 1-based line in the (decompressed) file, if there is one to point at.
+        line: Option<u64>,
+        /// What was expected, what was found, what to do.
+        message: String,
+    },
+    /// Reading on would take more than a limit allows.
+    #[error("{}; the limit protects against broken and hostile files", at_line(*line, message))]
+    Limit {
+        /// 1-based line in the (decompressed) file, if there is one to point at.
+        line: Option<u64>,
+        /// Which limit, its value, and how to raise it.
+        message: String,
+    },
+    /// Sound, but not something this program does.
+    #[error("{0}")]
+    Unsupported(String),
+    /// The graphics device is missing, lost, or refuses.
+    #[error("GPU: {0}")]
+    Gpu(String),
+    /// The operating system refused to read or write.
+    #[error("cannot {action} {}: {source}", path.display())]
+    Io {
+        /// `read`, `write`, …
+        action: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+impl Error {
+    /// An input error at a line.
+    pub fn input(line: impl Into<Option<u64>>, message: impl Into<String>) -> Error {
+        Error::Input { line: line.into(), message: message.into() }
+    }
+
+    /// A limit error at a line.
+    pub fn limit(line: impl Into<Option<u64>>, message: impl Into<String>) -> Error {
+        Error::Limit { line: line.into(), message: message.into() }
+    }
+
+    /// The line it happened at, if known.
+    #[must_use]
+    pub fn line(&self) -> Option<u64> {
+        match self {
+            Error::Input { line, .. } | Error::Limit { line, .. } => *line,
+            _ => None,
+        }
+    }
+}
+
+/// A result with our [`Error`].
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+fn at_line(line: Option<u64>, message: &str) -> String {
+    match line {
+        Some(line) => format!("line {line}: {message}"),
+        None => message.to_owned(),
+    }
+}

@@ -1,0 +1,35 @@
+//! What a renderer hands back: a finished picture, or the visible surface behind it.
+
+/// A picture: sRGB, 8 bits a channel, straight alpha, rows from the top.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Image {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// `width * height` pixels of red, green, blue, alpha.
+    pub rgba: Vec<u8>,
+}
+
+/// The visible surface at the pixel centres, rows from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GBuffer {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// What is seen: [`GBuffer::BACKGROUND`], [`GBuffer::GROUND`], or the id of an atom (1 + index) or bond
+    /// (1 + number of atoms + index).
+    pub id: Vec<u32>,
+    /// Distance from the camera's plane along its view direction in ångström; infinity for the background.
+    pub depth: Vec<f32>,
+    /// Unit normal in view space (x right, y up, z to the viewer); zero for the background.
+    pub normal: Vec<[f32; 3]>,
+}
+
+impl GBuffer {
+    /// Id where nothing is seen.
+    pub const BACKGROUND: u32 = 0;
+    /// Id of the ground plane.
+    pub const GROUND: u32 = u32::MAX;
+}

@@ -1,0 +1,2 @@
+//! render (docs follow)
+pub mod image;

@@ -1,0 +1,301 @@
+//! The molecular model: everything a file said about a molecule, complete and immutable.
+//!
+//! A [`Structure`] is a structure of arrays. Importers fill one through a [`StructureBuilder`]; bond perception
+//! adds bonds by [`Structure::with_bonds`]; nothing after that guesses. Lengths are ångström, angles degrees,
+//! charges in units of the elementary charge. Columns a file does not have are empty and their accessors
+//! give the stated default, so that an XYZ file does not pay for what only PDB files have.
+
+mod bond;
+mod builder;
+mod cell;
+mod diagnostic;
+mod names;
+mod positions;
+
+pub use bond::{Bond, BondKind, BondOrder, BondSource, StatedBonds};
+pub use builder::{AtomRecord, StructureBuilder};
+pub use cell::Cell;
+pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use names::{NameId, Names};
+pub use positions::Positions;
+
+use crate::element::Element;
+
+/// One set of atom positions: a model, a trajectory frame, or the only one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// Positions, one an atom, in the order of the atoms.
+    pub positions: Positions,
+    /// The unit cell of this frame, if the file states one.
+    pub cell: Option<Cell>,
+    /// The frame's comment or title, empty if there is none.
+    pub title: String,
+}
+
+/// A contiguous run of atoms with the same chain, residue number, insertion code and residue name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Residue {
+    /// Residue name (`ALA`), an index into [`Structure::names`].
+    pub name: NameId,
+    /// Residue number as the file gives it (author numbering in mmCIF).
+    pub number: i32,
+    /// Insertion code, `b' '` for none.
+    pub insertion_code: u8,
+    /// Index into [`Structure::chains`].
+    pub chain: u32,
+    /// The first atom; the run ends where the next residue starts.
+    pub first_atom: u32,
+}
+
+/// What an atom is beside its element; bits of [`Structure::flags`].
+pub mod atom_flags {
+    /// The file lists the atom as a hetero atom (HETATM).
+    pub const HETERO: u8 = 1;
+    /// Not an atom: lone pair, dummy, Drude particle, centroid. Kept, drawn small, never bonded by distance.
+    pub const PARTICLE: u8 = 2;
+}
+
+/// A helix or strand as the file states it, by residue numbers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SecondaryElement {
+    /// `true` for a helix, `false` for a strand of a sheet.
+    pub helix: bool,
+    /// Chain identifier.
+    pub chain: String,
+    /// First residue number and insertion code.
+    pub first: (i32, u8),
+    /// Last residue number and insertion code.
+    pub last: (i32, u8),
+}
+
+/// A vector on every atom: force, velocity, displacement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VectorField {
+    /// The name in the file (`forces`, `velo`).
+    pub name: String,
+    /// One vector an atom, in the file's units.
+    pub vectors: Vec<glam::Vec3>,
+}
+
+/// A stereo mark on a bond of a 2D drawing: from the bond's first atom to its second.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BondStereo {
+    /// Towards the viewer (wedge).
+    Up,
+    /// Away from the viewer (hash).
+    Down,
+    /// Either (wavy).
+    Either,
+    /// A double bond whose cis/trans geometry is not stated.
+    CisTransEither,
+}
+
+/// A molecule, or whatever else one record of a file holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Structure {
+    pub(crate) title: String,
+    pub(crate) names: Names,
+    pub(crate) element: Vec<Element>,
+    pub(crate) atom_name: Vec<NameId>,
+    pub(crate) serial: Vec<i32>,
+    pub(crate) residue_of_atom: Vec<u32>,
+    pub(crate) flags: Vec<u8>,
+    pub(crate) altloc: Vec<u8>,
+    pub(crate) occupancy: Vec<f32>,
+    pub(crate) b_factor: Vec<f32>,
+    pub(crate) formal_charge: Vec<i8>,
+    pub(crate) partial_charge: Vec<f32>,
+    pub(crate) isotope: Vec<u16>,
+    pub(crate) radical: Vec<u8>,
+    pub(crate) residues: Vec<Residue>,
+    pub(crate) chains: Vec<NameId>,
+    pub(crate) bonds: Vec<Bond>,
+    pub(crate) stated_bonds: StatedBonds,
+    pub(crate) bond_stereo: Vec<(u32, BondStereo)>,
+    pub(crate) frames: Vec<Frame>,
+    pub(crate) secondary: Vec<SecondaryElement>,
+    pub(crate) vectors: Vec<VectorField>,
+    pub(crate) properties: Vec<(String, String)>,
+}
+
+impl Structure {
+    /// Number of atoms (particles that are no atoms included, all alternate locations counted).
+    #[must_use]
+    pub fn atom_count(&self) -> usize {
+        self.element.len()
+    }
+
+    /// The title the file gives, or an empty string.
+    #[must_use]
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// The elements, one an atom.
+    #[must_use]
+    pub fn elements(&self) -> &[Element] {
+        &self.element
+    }
+
+    /// The text of an interned name.
+    #[must_use]
+    pub fn name(&self, id: NameId) -> &str {
+        self.names.get(id)
+    }
+
+    /// Atom name (`CA`); an empty string if the file names no atoms.
+    #[must_use]
+    pub fn atom_name(&self, atom: usize) -> &str {
+        self.atom_name.get(atom).map_or("", |&id| self.names.get(id))
+    }
+
+    /// The serial number in the file; the 1-based index if it has none.
+    #[must_use]
+    pub fn serial(&self, atom: usize) -> i32 {
+        self.serial.get(atom).copied().unwrap_or(i32::try_from(atom + 1).unwrap_or(i32::MAX))
+    }
+
+    /// Index of the atom's residue in [`Structure::residues`]; `None` if the file has no residues.
+    #[must_use]
+    pub fn residue_index(&self, atom: usize) -> Option<usize> {
+        self.residue_of_atom.get(atom).map(|&index| index as usize)
+    }
+
+    /// The residues in the order of their first atoms; empty if the file has none.
+    #[must_use]
+    pub fn residues(&self) -> &[Residue] {
+        &self.residues
+    }
+
+    /// Chain identifiers, each once, in the order they appear.
+    pub fn chains(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.chains.iter().map(|&id| self.names.get(id))
+    }
+
+    /// Bits of [`atom_flags`], 0 if the file has none.
+    #[must_use]
+    pub fn flags(&self, atom: usize) -> u8 {
+        self.flags.get(atom).copied().unwrap_or(0)
+    }
+
+    /// Alternate location indicator, `b' '` for none.
+    #[must_use]
+    pub fn altloc(&self, atom: usize) -> u8 {
+        self.altloc.get(atom).copied().unwrap_or(b' ')
+    }
+
+    /// Whether any atom has an alternate location indicator.
+    #[must_use]
+    pub fn has_altlocs(&self) -> bool {
+        self.altloc.iter().any(|&code| code != b' ')
+    }
+
+    /// Occupancy, 1 if not stated.
+    #[must_use]
+    pub fn occupancy(&self, atom: usize) -> f32 {
+        self.occupancy.get(atom).copied().unwrap_or(1.0)
+    }
+
+    /// Temperature factor B in Å², 0 if not stated.
+    #[must_use]
+    pub fn b_factor(&self, atom: usize) -> f32 {
+        self.b_factor.get(atom).copied().unwrap_or(0.0)
+    }
+
+    /// Formal charge, 0 if not stated.
+    #[must_use]
+    pub fn formal_charge(&self, atom: usize) -> i8 {
+        self.formal_charge.get(atom).copied().unwrap_or(0)
+    }
+
+    /// Partial charge, if the file states them.
+    #[must_use]
+    pub fn partial_charge(&self, atom: usize) -> Option<f32> {
+        self.partial_charge.get(atom).copied()
+    }
+
+    /// Mass number, 0 for the natural mixture.
+    #[must_use]
+    pub fn isotope(&self, atom: usize) -> u16 {
+        self.isotope.get(atom).copied().unwrap_or(0)
+    }
+
+    /// Radical as in MDL files: 0 none, 1 singlet, 2 doublet, 3 triplet.
+    #[must_use]
+    pub fn radical(&self, atom: usize) -> u8 {
+        self.radical.get(atom).copied().unwrap_or(0)
+    }
+
+    /// The bonds: before perception those the file states, after it all of them. Sorted by `(a, b)`, `a < b`, no duplicates.
+    #[must_use]
+    pub fn bonds(&self) -> &[Bond] {
+        &self.bonds
+    }
+
+    /// What the file's own bond list means.
+    #[must_use]
+    pub fn stated_bonds(&self) -> StatedBonds {
+        self.stated_bonds
+    }
+
+    /// Stereo marks of a 2D drawing, by index into the bonds the file stated.
+    #[must_use]
+    pub fn bond_stereo(&self) -> &[(u32, BondStereo)] {
+        &self.bond_stereo
+    }
+
+    /// All frames; there is at least one.
+    #[must_use]
+    pub fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    /// The positions of the first frame.
+    #[must_use]
+    pub fn positions(&self) -> &Positions {
+        &self.frames[0].positions
+    }
+
+    /// The unit cell of the first frame.
+    #[must_use]
+    pub fn cell(&self) -> Option<&Cell> {
+        self.frames[0].cell.as_ref()
+    }
+
+    /// Helices and strands the file states.
+    #[must_use]
+    pub fn secondary(&self) -> &[SecondaryElement] {
+        &self.secondary
+    }
+
+    /// Vectors on atoms (first frame).
+    #[must_use]
+    pub fn vectors(&self) -> &[VectorField] {
+        &self.vectors
+    }
+
+    /// Data fields (SDF) and other named texts of the file.
+    #[must_use]
+    pub fn properties(&self) -> &[(String, String)] {
+        &self.properties
+    }
+
+    /// The same structure with these bonds in place of its own. They are sorted, turned to `a < b` and made unique
+    /// (the first of a pair stays); bonds of an atom to itself or to an atom that is not there are left out.
+    #[must_use]
+    pub fn with_bonds(mut self, bonds: Vec<Bond>) -> Structure {
+        self.bonds = bond::normalise(bonds, self.element.len());
+        self
+    }
+
+    /// The same structure with frame `index` as its first and only one; `None` if there is no such frame.
+    #[must_use]
+    pub fn with_only_frame(mut self, index: usize) -> Option<Structure> {
+        if index >= self.frames.len() {
+            return None;
+        }
+        let frame = self.frames.swap_remove(index);
+        self.frames = vec![frame];
+        Some(self)
+    }
+}

@@ -1,0 +1,135 @@
+//! Atom positions: f32 about an f64 origin, with the digits that do not fit kept beside them.
+//!
+//! `position = origin + coarse + fine`. Drawing needs only `coarse`. `fine` is there only where the file's
+//! digits do not fit 24 bits (quantum chemistry output with ten decimals, say): then coarse + fine hold 48 bits,
+//! and what was read can be written back digit for digit.
+
+use glam::{DVec3, Vec3};
+
+/// Positions of all atoms in ångström.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Positions {
+    origin: DVec3,
+    coarse: Vec<Vec3>,
+    fine: Vec<Vec3>,
+    decimals: u8,
+}
+
+impl Positions {
+    /// Decimals that an f64 of molecular size holds; more are not written.
+    pub const MAX_DECIMALS: u8 = 14;
+
+    /// From f64 positions and the number of decimals they were written with ([`Positions::MAX_DECIMALS`] where
+    /// unknown, as in computed ones). Returns the positions and whether digits were lost (more than 48 bits).
+    ///
+    /// The origin is the centre of the bounds rounded to a multiple of 1024 Å, so it is 0 for all but displaced molecules.
+    #[must_use]
+    pub fn from_f64(points: &[DVec3], decimals: u8) -> (Positions, bool) {
+        let decimals = decimals.min(Self::MAX_DECIMALS);
+        let (low, high) = points
+            .iter()
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &point| (low.min(point), high.max(point)));
+        let centre = if points.is_empty() { DVec3::ZERO } else { (low + high) * 0.5 };
+        let origin = (centre / 1024.0).round() * 1024.0;
+        let reach = if points.is_empty() { 0.0 } else { (low - origin).abs().max((high - origin).abs()).max_element() };
+        let steps = reach * 10f64.powi(i32::from(decimals));
+        // Half a unit of the last written digit must survive rounding to nearest.
+        let fits = |bits: i32| steps < 2f64.powi(bits - 1);
+        let coarse: Vec<Vec3> = points.iter().map(|&point| (point - origin).as_vec3()).collect();
+        let fine = if fits(24) {
+            Vec::new()
+        } else {
+            points.iter().zip(&coarse).map(|(&point, coarse)| (point - origin - coarse.as_dvec3()).as_vec3()).collect()
+        };
+        (Positions { origin, coarse, fine, decimals }, !fits(48) && decimals < Self::MAX_DECIMALS)
+    }
+
+    /// Number of atoms.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.coarse.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.coarse.is_empty()
+    }
+
+    /// What all of [`Positions::relative`] is relative to.
+    #[must_use]
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// Positions relative to the origin, to f32's accuracy: what is drawn and what bonds are found from.
+    #[must_use]
+    pub fn relative(&self) -> &[Vec3] {
+        &self.coarse
+    }
+
+    /// One position with all the digits kept.
+    #[must_use]
+    pub fn get(&self, atom: usize) -> DVec3 {
+        let fine = self.fine.get(atom).map_or(DVec3::ZERO, |fine| fine.as_dvec3());
+        self.origin + (self.coarse[atom].as_dvec3() + fine)
+    }
+
+    /// How many decimals the file had; writers give as many.
+    #[must_use]
+    pub fn decimals(&self) -> u8 {
+        self.decimals
+    }
+
+    /// One position as written: rounded to [`Positions::decimals`].
+    #[must_use]
+    pub fn written(&self, atom: usize) -> DVec3 {
+        let scale = 10f64.powi(i32::from(self.decimals));
+        let position = self.get(atom);
+        let rounded = (position * scale).round() / scale;
+        if self.decimals >= Self::MAX_DECIMALS || !rounded.is_finite() { position } else { rounded }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn round_trip(text: &str, decimals: u8) -> String {
+        let value: f64 = text.parse().unwrap();
+        let (positions, lost) = Positions::from_f64(&[DVec3::new(value, 0.0, -value)], decimals);
+        assert!(!lost);
+        let back = positions.written(0);
+        assert_eq!(back.x, -back.z);
+        format!("{:.*}", usize::from(decimals), back.x)
+    }
+
+    #[test]
+    fn written_digits_read_back_equal() {
+        for (text, decimals) in [
+            ("1.234", 3),
+            ("-999.999", 3),
+            ("9999.999", 3),
+            ("123456.789", 3),
+            ("0.1234567891", 10),
+            ("-12.34567891234", 11),
+            ("4095.999", 3),
+            ("0.000", 3),
+        ] {
+            assert_eq!(round_trip(text, decimals), text);
+        }
+    }
+
+    #[test]
+    fn only_long_numbers_pay_for_their_digits() {
+        assert!(Positions::from_f64(&[DVec3::splat(12.345)], 3).0.fine.is_empty());
+        assert!(!Positions::from_f64(&[DVec3::splat(12.345_678_9)], 7).0.fine.is_empty());
+    }
+
+    #[test]
+    fn far_away_molecules_keep_their_shape() {
+        let points = [DVec3::new(1e6, 2e6, -3e6), DVec3::new(1e6 + 1.5, 2e6, -3e6)];
+        let (positions, _) = Positions::from_f64(&points, 3);
+        assert_eq!(positions.relative()[1].x - positions.relative()[0].x, 1.5);
+    }
+}
