@@ -9,3 +9,4 @@ pub mod structure;
 pub use error::{Error, Result};
 
 pub mod render;
+pub mod scene;
