@@ -22,6 +22,7 @@ pub use style::Style;
 
 use crate::math::Aabb;
 use glam::{Affine3A, Quat, Vec3};
+use std::sync::Arc;
 
 /// Primitives in a space of their own.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -48,8 +49,8 @@ pub struct Placement {
 /// All there is to draw.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// Primitives, each once.
-    pub blocks: Vec<Block>,
+    /// Primitives, each once; shared, so that a scene with another light or ground costs nothing.
+    pub blocks: Arc<Vec<Block>>,
     /// Where they stand.
     pub placements: Vec<Placement>,
     /// The lights.
@@ -87,7 +88,7 @@ impl Scene {
     pub fn from_blocks(blocks: Vec<Block>, mut placements: Vec<Placement>) -> Scene {
         placements.retain(|placement| placement.block < blocks.len());
         let mut scene = Scene {
-            blocks,
+            blocks: Arc::new(blocks),
             placements,
             lighting: Lighting::default(),
             background: Background::default(),
