@@ -4,6 +4,7 @@
 //! for bit, tile by tile on all cores: primitives are sorted front to back and binned to tiles by their exact bounds,
 //! and each tile keeps a small depth buffer a sample.
 
+mod binning;
 pub mod intersect;
 pub mod reference;
 mod shader;
