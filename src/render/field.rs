@@ -220,3 +220,7 @@ impl GroundMap {
         (near + (far - near) * fz).to_array()
     }
 }
+
+#[cfg(test)]
+#[path = "field_tests.rs"]
+mod tests;
