@@ -100,6 +100,8 @@ pub(super) struct PairTable {
     count: usize,
     /// Square of the longest bond of two species, −1 where there is none; `count × count`.
     longest_squared: Vec<f32>,
+    /// The longest bond of each species with any, 0 for none.
+    reach: Vec<f32>,
     metal: Vec<bool>,
 }
 
@@ -119,9 +121,13 @@ impl PairTable {
             }
         }
         let limit = |a, b| longest(a, b, options).map_or(-1.0, |d| d * d);
-        let longest_squared = present.iter().flat_map(|&a| present.iter().map(move |&b| limit(a, b))).collect();
+        let longest_squared: Vec<f32> =
+            present.iter().flat_map(|&a| present.iter().map(move |&b| limit(a, b))).collect();
         let metal = present.iter().map(|element| element.is_metal()).collect();
-        PairTable { species_of_z, count: present.len(), longest_squared, metal }
+        let reach = (longest_squared.chunks(present.len().max(1)))
+            .map(|row| row.iter().fold(0.0f32, |longest, &squared| longest.max(squared)).sqrt())
+            .collect();
+        PairTable { species_of_z, count: present.len(), longest_squared, reach, metal }
     }
 
     /// The species number of an element of the structure.
@@ -135,9 +141,9 @@ impl PairTable {
         &self.longest_squared[start..start + self.count]
     }
 
-    /// The longest bond of a species with any.
+    /// The longest bond of a species with any, 0 for none.
     pub(super) fn reach(&self, species: u8) -> f32 {
-        self.row(species).iter().fold(0.0f32, |longest, &squared| longest.max(squared)).sqrt()
+        self.reach[usize::from(species)]
     }
 
     /// Whether a species is a metal.

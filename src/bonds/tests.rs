@@ -401,7 +401,7 @@ fn the_order_of_the_atoms_and_a_turn_change_nothing() {
     let count = sites.len();
     let expected = pairs_of(&sites);
     let order: Vec<usize> = (0..count).map(|i| i * 7 % count).collect();
-    assert!(count % 7 != 0);
+    assert!(!count.is_multiple_of(7));
     let (sin, cos) = 0.7f64.sin_cos();
     let turned = |[x, y, z]: [f64; 3]| [x * cos - y * sin + 3.0, z - 40.0, -(x * sin + y * cos)];
     let shuffled: Vec<Site> = order.iter().map(|&i| (sites[i].0, turned(sites[i].1))).collect();

@@ -8,6 +8,7 @@ use super::contacts::{Contact, Contacts, State};
 use super::rules;
 use crate::element::Element;
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// Cosine of the narrowest angle between two bonds of a nonmetal, 38°. Open Babel's 45° would open the rings of thiirene
 /// (C–S–C 40.6° by its lengths 1.27 and 1.83 Å) and tellurirane (41°).
@@ -48,7 +49,9 @@ pub(super) fn settle(contacts: &mut Contacts, elements: &[Element], positions: &
         let fits = |atom: usize| {
             let others = || contacts.of(atom).filter(|&(other, ..)| accepted[other as usize]);
             let is_beside = |(_, beside, other): (u32, &Contact, usize)| {
-                beside.state == State::Open && is_narrow(positions, atom, contact.other(atom), other)
+                let here = positions[atom];
+                let direction = positions[contact.other(atom)] - here;
+                beside.state == State::Open && is_narrow(direction, positions[other] - here)
             };
             caps[atom] == ALL_FIT || (others().count() < usize::from(caps[atom]) && !others().any(is_beside))
         };
@@ -98,29 +101,29 @@ fn is_overfull(contacts: &Contacts, elements: &[Element], positions: &[Vec3], at
     if contacts.numbers(atom).len() < 2 || elements[atom].is_metal() {
         return false;
     }
-    let count = partners(contacts, elements, atom).count();
-    if count > usize::from(rules::valence_cap(elements[atom]).unwrap_or(ALL_FIT))
-        && count > usize::from(cap(contacts, elements, atom))
-    {
-        return true;
-    }
-    // A stated bond may be of any length and direction; it is no reason to refuse another.
-    let mut rest = contacts
-        .of(atom)
-        .filter(|(_, contact, other)| contact.state == State::Open && is_covalent(elements, atom, *other))
-        .map(|(_, _, other)| other);
-    while let Some(one) = rest.next() {
-        if rest.clone().any(|other| is_narrow(positions, atom, one, other)) {
-            return true;
+    let mut count = 0;
+    // A stated bond may be of any length and direction; it is no reason to refuse another. Eight directions are more than
+    // an atom has that is not overfull; of more, the first eight are enough to find two that are too near each other.
+    let mut directions = [Vec3::ZERO; 8];
+    let mut open = 0;
+    for (_, contact, other) in contacts.of(atom).filter(|&(_, _, other)| !elements[other].is_metal()) {
+        count += 1;
+        if contact.state == State::Open && open < directions.len() {
+            directions[open] = positions[other] - positions[atom];
+            open += 1;
         }
     }
-    false
+    let directions = &directions[..open];
+    (count > usize::from(rules::valence_cap(elements[atom]).unwrap_or(ALL_FIT))
+        && count > usize::from(cap(contacts, elements, atom)))
+        || (1..open).any(|i| directions[..i].iter().any(|&other| is_narrow(directions[i], other)))
 }
 
-/// Whether the angle `one`–`atom`–`other` is too narrow for two bonds.
-fn is_narrow(positions: &[Vec3], atom: usize, one: usize, other: usize) -> bool {
-    let (one, other) = (positions[one] - positions[atom], positions[other] - positions[atom]);
-    one.dot(other) > NARROWEST_ANGLE_COSINE * (one.length_squared() * other.length_squared()).sqrt()
+/// Whether the angle between two directions is too narrow for two bonds.
+fn is_narrow(one: Vec3, other: Vec3) -> bool {
+    let dot = one.dot(other);
+    let limit = NARROWEST_ANGLE_COSINE * NARROWEST_ANGLE_COSINE * one.length_squared() * other.length_squared();
+    dot > 0.0 && dot * dot > limit
 }
 
 /// Drops contacts across four-membered rings.
