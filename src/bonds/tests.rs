@@ -302,6 +302,23 @@ fn alternate_locations_never_bond_to_each_other() {
 }
 
 #[test]
+fn an_atom_bonds_to_every_alternate_location_of_its_partner() {
+    // A peptide nitrogen after a residue of two conformers, whose carbons are 0.2 Å apart; both CA, and a carbon with
+    // five partners of which four are there at once.
+    let atoms = [
+        ("N", [0.0; 3], "LEU", 2, b' '),
+        ("C", [1.33, 0.1, 0.0], "GLU", 1, b'A'),
+        ("C", [1.33, -0.1, 0.0], "GLU", 1, b'B'),
+        ("C", [-0.7, 1.2, 0.0], "LEU", 2, b' '),
+        ("C", [-0.7, 2.0, 1.2], "LEU", 2, b' '),
+        ("O", [-1.9, 1.6, -0.6], "LEU", 2, b' '),
+        ("C", [0.5, 2.0, -0.9], "LEU", 2, b'A'),
+        ("C", [0.6, 2.1, -0.8], "LEU", 2, b'B'),
+    ];
+    assert_eq!(pairs(&residues(&atoms)), [(0, 1), (0, 2), (0, 3), (3, 4), (3, 5), (3, 6), (3, 7)]);
+}
+
+#[test]
 fn particles_and_dummies_are_never_bonded() {
     let mut builder = StructureBuilder::new();
     push(&mut builder, "C", [0.0; 3], AtomRecord::default());
