@@ -30,6 +30,9 @@ pub(super) fn read(
     diagnostics: &mut Diagnostics,
 ) -> Result<Format> {
     check_depth(text, records.limits())?;
+    if !text.trim_ascii_start().starts_with(b"{") {
+        return Err(Error::input(1, "expected a JSON object (`{`) that holds a molecule"));
+    }
     let root: Root<'_> = serde_json::from_slice(text).map_err(|error| json_error(&error))?;
     let (format, mut builder) = match root.atoms {
         Some(Atoms::List(list)) => {

@@ -56,9 +56,8 @@ impl Column {
             b'R' => parse_f64(word).is_some(),
             b'I' => parse_i64(word).is_some(),
             b'L' => {
-                const VALUES: [&[u8]; 10] =
-                    [b"T", b"F", b"true", b"false", b"True", b"False", b"TRUE", b"FALSE", b".TRUE.", b".FALSE."];
-                VALUES.contains(&word)
+                const VALUES: [&[u8]; 6] = [b"T", b"F", b"true", b"false", b".true.", b".false."];
+                VALUES.iter().any(|value| word.eq_ignore_ascii_case(value))
             }
             _ => true,
         }

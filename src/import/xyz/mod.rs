@@ -15,7 +15,7 @@ mod comment;
 
 use super::collect::Records;
 use super::is_plausible;
-use super::number::{parse_f64, parse_i64};
+use super::number::{next_f64, parse_f64, parse_i64};
 use super::symbol::{LabelKind, read_label};
 use super::text::{Lines, Repeated, is_blank_line, lossy, next_word, shown, words};
 use crate::element::Element;
@@ -323,10 +323,9 @@ impl Frame {
 /// Three numbers, the most decimals among them, and what follows.
 #[inline]
 fn next_vector(rest: &[u8]) -> Option<(DVec3, u8, &[u8])> {
-    let (x, rest) = next_word(rest)?;
-    let (y, rest) = next_word(rest)?;
-    let (z, rest) = next_word(rest)?;
-    let ((x, dx), (y, dy), (z, dz)) = (parse_f64(x)?, parse_f64(y)?, parse_f64(z)?);
+    let (x, dx, rest) = next_f64(rest)?;
+    let (y, dy, rest) = next_f64(rest)?;
+    let (z, dz, rest) = next_f64(rest)?;
     Some((DVec3::new(x, y, z), dx.max(dy).max(dz), rest))
 }
 
