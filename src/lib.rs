@@ -3,6 +3,7 @@
 pub mod color;
 pub mod element;
 pub mod error;
+pub mod export;
 pub mod math;
 pub mod structure;
 
