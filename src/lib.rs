@@ -10,3 +10,4 @@ pub mod structure;
 pub use error::{Error, Result};
 
 pub mod render;
+pub mod scene;

@@ -32,4 +32,19 @@ impl GBuffer {
     pub const BACKGROUND: u32 = 0;
     /// Id of the ground plane.
     pub const GROUND: u32 = u32::MAX;
+
+    /// An empty one, to be filled pixel by pixel.
+    #[must_use]
+    pub(super) fn with_capacity(width: u32, height: u32) -> GBuffer {
+        let pixels = width as usize * height as usize;
+        let (id, depth, normal) = (Vec::with_capacity(pixels), Vec::with_capacity(pixels), Vec::with_capacity(pixels));
+        GBuffer { width, height, id, depth, normal }
+    }
+
+    /// Adds the next pixel.
+    pub(super) fn push(&mut self, (id, depth, normal): (u32, f32, [f32; 3])) {
+        self.id.push(id);
+        self.depth.push(depth);
+        self.normal.push(normal);
+    }
 }

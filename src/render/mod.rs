@@ -1,2 +1,48 @@
-//! render (docs follow)
+//! One picture, two renderers.
+//!
+//! [`frame`] and [`settings`] define the picture, [`cpu`] and `gpu` compute it, each on its own; [`select`] is
+//! the only place that knows both. [`cpu::reference`] is the truth the others are measured against.
+
+pub mod bounds;
+pub mod cpu;
+pub mod field;
+pub mod frame;
+#[cfg(feature = "gpu")]
+pub mod gpu;
+pub mod hierarchy;
 pub mod image;
+pub mod select;
+pub mod settings;
+pub mod solids;
+
+pub use image::{GBuffer, Image};
+pub use select::{Choice, Selection, select};
+pub use settings::{Quality, Settings, View};
+
+use crate::error::Result;
+use crate::scene::Scene;
+use std::sync::Arc;
+
+/// What draws scenes.
+pub trait Renderer {
+    /// What it is and what it runs on, for people and metadata (`cpu`, `gpu: NVIDIA …, Vulkan`).
+    fn name(&self) -> String;
+
+    /// Takes a scene to draw. Loading a scene with the same blocks and placements again is cheap.
+    ///
+    /// # Errors
+    /// If the device cannot hold it.
+    fn load(&mut self, scene: Arc<Scene>) -> Result<()>;
+
+    /// Draws the finished picture of the loaded scene; an empty background if none was loaded.
+    ///
+    /// # Errors
+    /// If the device is lost or refuses.
+    fn image(&mut self, view: &View, settings: &Settings) -> Result<Image>;
+
+    /// What is seen at the pixel centres of the loaded scene.
+    ///
+    /// # Errors
+    /// If the device is lost or refuses.
+    fn gbuffer(&mut self, view: &View) -> Result<GBuffer>;
+}

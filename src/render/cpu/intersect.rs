@@ -1,0 +1,243 @@
+//! Exact intersections of a view ray with the primitives. `shaders/intersect.wgsl` holds the twin of each function,
+//! under the same name.
+//!
+//! In each, the ray's origin is first moved to its point nearest the primitive's centre (`t = t0 + t_local`): solving
+//! from the eye loses the digits that decide hit or miss at a few hundred ångström. The `*_t` functions are written
+//! without branches, so that loops over pixels become vector code with the same bits as one call alone.
+
+use crate::render::solids::{Cylinder, Sphere};
+use crate::scene::Ray;
+use glam::Vec3;
+
+/// `a` where the condition holds, else `b`; becomes a blend in vector code.
+#[inline(always)]
+fn select(condition: bool, a: f32, b: f32) -> f32 {
+    if condition { a } else { b }
+}
+
+#[inline(always)]
+fn min(a: f32, b: f32) -> f32 {
+    select(a < b, a, b)
+}
+
+#[inline(always)]
+fn max(a: f32, b: f32) -> f32 {
+    select(a > b, a, b)
+}
+
+/// Where a solid's entry and exit give a hit at or beyond `near`: the entry, or `near` inside the solid, else infinity.
+#[inline(always)]
+fn visible_t(entry: f32, exit: f32, near: f32) -> f32 {
+    let hit = entry <= exit && exit >= near;
+    select(hit, max(entry, near), f32::INFINITY)
+}
+
+/// `t` of the first hit with a sphere at `t ≥ near`; `near` itself inside the sphere; infinity for a miss.
+#[inline(always)]
+#[must_use]
+pub fn sphere_t(ray: &Ray, sphere: &Sphere, near: f32) -> f32 {
+    let d = ray.direction;
+    let dd = d.x * d.x + d.y * d.y + d.z * d.z;
+    let c = sphere.center - ray.origin;
+    let t0 = (c.x * d.x + c.y * d.y + c.z * d.z) / dd;
+    let p = d * t0 - c;
+    let pd = p.x * d.x + p.y * d.y + p.z * d.z;
+    let outside = p.x * p.x + p.y * p.y + p.z * p.z - sphere.radius * sphere.radius;
+    let discriminant = pd * pd - dd * outside;
+    let root = max(discriminant, 0.0).sqrt();
+    let entry = t0 + (-pd - root) / dd;
+    let exit = t0 + (-pd + root) / dd;
+    select(discriminant >= 0.0, visible_t(entry, exit, near), f32::INFINITY)
+}
+
+/// Unit normal of a sphere at the hit that [`sphere_t`] gave; towards the camera where the near plane cuts the solid.
+#[must_use]
+pub fn sphere_normal(ray: &Ray, sphere: &Sphere, near: f32, t: f32) -> Vec3 {
+    if t <= near {
+        return -ray.direction.normalize();
+    }
+    // The way through the local origin again: `origin + t·direction − center` from the eye would lose digits.
+    let d = ray.direction;
+    let c = sphere.center - ray.origin;
+    let dd = d.dot(d);
+    let t0 = c.dot(d) / dd;
+    let p = d * t0 - c;
+    let pd = p.dot(d);
+    let discriminant = pd * pd - dd * (p.dot(p) - sphere.radius * sphere.radius);
+    let local = (-pd - discriminant.max(0.0).sqrt()) / dd;
+    ((p + d * local) / sphere.radius).normalize_or(-d)
+}
+
+/// The ray in the cylinder's space, its origin moved to the point nearest the cylinder's centre.
+#[inline(always)]
+fn cylinder_ray(ray: &Ray, cylinder: &Cylinder) -> (Vec3, Vec3, f32) {
+    let d = ray.direction;
+    let dd = d.x * d.x + d.y * d.y + d.z * d.z;
+    let c = cylinder.center - ray.origin;
+    let t0 = (c.x * d.x + c.y * d.y + c.z * d.z) / dd;
+    let p = d * t0 - c;
+    let m = &cylinder.cylinder_from_space;
+    (*m * p, *m * d, t0)
+}
+
+/// Entry and exit of the infinite cylinder `x² + z² = r²`; an empty interval for a miss. A ray within 1e-6 rad of the
+/// axis is inside for ever or never (over a stick's length it drifts less than f32 resolves).
+#[inline(always)]
+fn side_interval(q: Vec3, e: Vec3, radius: f32) -> (f32, f32) {
+    let a = e.x * e.x + e.z * e.z;
+    let parallel = a <= 1e-12 * (a + e.y * e.y);
+    let across = q.x * e.z - q.z * e.x;
+    // r²a − (q×e)²: the discriminant without the cancellation of b² − ac.
+    let discriminant = radius * radius * a - across * across;
+    let root = max(discriminant, 0.0).sqrt();
+    let qe = q.x * e.x + q.z * e.z;
+    let over_a = 1.0 / select(parallel, 1.0, a);
+    let inside = q.x * q.x + q.z * q.z <= radius * radius;
+    let entry = select(parallel, select(inside, f32::NEG_INFINITY, f32::INFINITY), (-qe - root) * over_a);
+    let exit = select(parallel, select(inside, f32::INFINITY, f32::NEG_INFINITY), (-qe + root) * over_a);
+    let miss = !parallel && discriminant < 0.0;
+    (select(miss, f32::INFINITY, entry), select(miss, f32::NEG_INFINITY, exit))
+}
+
+/// Entry and exit of the slab `−h ≤ y ≤ h`.
+#[inline(always)]
+fn slab_interval(q: Vec3, e: Vec3, half_length: f32) -> (f32, f32) {
+    let along = e.y.abs() <= 1e-20;
+    let over = 1.0 / select(along, 1.0, e.y);
+    let (y0, y1) = ((-half_length - q.y) * over, (half_length - q.y) * over);
+    let inside = q.y.abs() <= half_length;
+    (
+        select(along, select(inside, f32::NEG_INFINITY, f32::INFINITY), min(y0, y1)),
+        select(along, select(inside, f32::INFINITY, f32::NEG_INFINITY), max(y0, y1)),
+    )
+}
+
+/// Entry and exit of the ball at the end `y` of a cylinder; an empty interval for a miss.
+#[inline(always)]
+fn end_interval(q: Vec3, e: Vec3, y: f32, radius: f32) -> (f32, f32) {
+    let p = Vec3::new(q.x, q.y - y, q.z);
+    let dd = e.x * e.x + e.y * e.y + e.z * e.z;
+    let pd = p.x * e.x + p.y * e.y + p.z * e.z;
+    let discriminant = pd * pd - dd * (p.x * p.x + p.y * p.y + p.z * p.z - radius * radius);
+    let root = max(discriminant, 0.0).sqrt();
+    let miss = discriminant < 0.0;
+    (select(miss, f32::INFINITY, (-pd - root) / dd), select(miss, f32::NEG_INFINITY, (-pd + root) / dd))
+}
+
+/// Whether cap `end` (0 for a, 1 for b) is `kind`.
+#[inline(always)]
+fn has_cap(caps: u32, end: u32, kind: u32) -> bool {
+    (caps >> (2 * end)) & 3 == kind
+}
+
+/// The local interval of the solid, and whether the entry is on the side (not on a flat cap).
+#[inline(always)]
+fn solid_interval(q: Vec3, e: Vec3, cylinder: &Cylinder) -> (f32, f32, bool) {
+    let (side_in, side_out) = side_interval(q, e, cylinder.radius);
+    let (slab_in, slab_out) = slab_interval(q, e, cylinder.half_length);
+    let (entry, exit) = (max(side_in, slab_in), min(side_out, slab_out));
+    let hit = entry <= exit;
+    let entry = select(hit, entry, f32::INFINITY);
+    let exit = select(hit, exit, f32::NEG_INFINITY);
+    (entry, exit, side_in >= slab_in)
+}
+
+/// `t` of the first hit with a cylinder at `t ≥ near`; `near` itself inside the solid; infinity for a miss.
+#[inline(always)]
+#[must_use]
+pub fn cylinder_t(ray: &Ray, cylinder: &Cylinder, near: f32) -> f32 {
+    let (q, e, t0) = cylinder_ray(ray, cylinder);
+    let local_near = near - t0;
+    let t = if cylinder.caps == FLAT_CAPS {
+        let (entry, exit, _) = solid_interval(q, e, cylinder);
+        visible_t(entry, exit, local_near)
+    } else {
+        capped_t(q, e, cylinder, local_near)
+    };
+    t0 + t
+}
+
+/// Both caps flat, as in all styles with balls.
+const FLAT_CAPS: u32 = 1 | 1 << 2;
+
+/// The general case: every end open, flat or round.
+fn capped_t(q: Vec3, e: Vec3, cylinder: &Cylinder, near: f32) -> f32 {
+    let (mut entry, mut exit, _) = solid_interval(q, e, cylinder);
+    for end in 0..2 {
+        if has_cap(cylinder.caps, end, 2) {
+            let y = if end == 0 { -cylinder.half_length } else { cylinder.half_length };
+            let (ball_in, ball_out) = end_interval(q, e, y, cylinder.radius);
+            entry = entry.min(ball_in);
+            exit = exit.max(ball_out);
+        }
+    }
+    if !has_cap(cylinder.caps, 0, 0) && !has_cap(cylinder.caps, 1, 0) {
+        return visible_t(entry, exit, near);
+    }
+    // An open end makes a surface, not a solid: the first of the crossings that is not through an open end.
+    let (side_in, side_out) = side_interval(q, e, cylinder.radius);
+    for t in [entry, exit] {
+        let y = q.y + t * e.y;
+        let end = u32::from(y > 0.0);
+        let on_side = (t == side_in || t == side_out) && y.abs() <= cylinder.half_length;
+        if t.is_finite() && t >= near && (on_side || !has_cap(cylinder.caps, end, 0)) {
+            return t;
+        }
+    }
+    f32::INFINITY
+}
+
+/// Unit normal of a cylinder at the hit that [`cylinder_t`] gave. On the side it is perpendicular to the axis; where
+/// one sees the inside of an open cylinder, and where the near plane cuts the solid, it points to the camera.
+#[must_use]
+pub fn cylinder_normal(ray: &Ray, cylinder: &Cylinder, near: f32, t: f32) -> Vec3 {
+    let to_camera = -ray.direction.normalize();
+    let open = has_cap(cylinder.caps, 0, 0) || has_cap(cylinder.caps, 1, 0);
+    if t <= near && !open {
+        return to_camera;
+    }
+    let (q, e, t0) = cylinder_ray(ray, cylinder);
+    let (entry, exit, from_side) = solid_interval(q, e, cylinder);
+    let mut local = t - t0;
+    let mut on_side = from_side;
+    if !open && entry <= exit {
+        local = entry; // t0 + entry rounds; the point itself need not
+    } else if open {
+        // Which surface an open end let the ray through to: the one whose crossing is nearest.
+        let (side, slab) = (side_interval(q, e, cylinder.radius), slab_interval(q, e, cylinder.half_length));
+        let from = |(a, b): (f32, f32)| (local - a).abs().min((local - b).abs());
+        on_side = from(side) <= from(slab);
+    }
+    let mut p = q + e * local;
+    let mut center = Vec3::new(0.0, p.y, 0.0);
+    for end in 0..2 {
+        if has_cap(cylinder.caps, end, 2) {
+            let y = if end == 0 { -cylinder.half_length } else { cylinder.half_length };
+            let (ball_in, _) = end_interval(q, e, y, cylinder.radius);
+            if ball_in < entry || entry > exit {
+                let at = q + e * ball_in;
+                let outside = if end == 0 { at.y <= y } else { at.y >= y };
+                if outside && ball_in.is_finite() {
+                    (p, center, on_side) = (at, Vec3::new(0.0, y, 0.0), true);
+                }
+            }
+        }
+    }
+    let local_normal =
+        if on_side { (p - center).normalize_or(-e) } else { Vec3::new(0.0, if e.y > 0.0 { -1.0 } else { 1.0 }, 0.0) };
+    let normal = cylinder.cylinder_from_space.transpose() * local_normal;
+    // Seen from inside, an open cylinder shows its back.
+    let towards = if open && normal.dot(ray.direction) > 0.0 { -normal } else { normal };
+    towards.normalize_or(to_camera)
+}
+
+/// Whether the hit is on the half of end b.
+#[must_use]
+pub fn cylinder_half(ray: &Ray, cylinder: &Cylinder, t: f32) -> bool {
+    let (q, e, t0) = cylinder_ray(ray, cylinder);
+    q.y + (t - t0) * e.y > 0.0
+}
+
+#[cfg(test)]
+#[path = "intersect_tests.rs"]
+mod tests;

@@ -1,0 +1,88 @@
+//! The CPU renderer: the reference, and the product on machines without a GPU.
+//!
+//! [`reference`] casts one ray after the other over a hierarchy, on one thread. [`tiles`] draws the same picture, bit
+//! for bit, tile by tile on all cores: primitives are sorted front to back and binned to tiles by their exact bounds,
+//! and each tile keeps a small depth buffer a sample.
+
+pub mod intersect;
+pub mod reference;
+mod shader;
+pub mod tiles;
+
+use super::field::{Field, GroundMap};
+use super::frame::FrameConstants;
+use super::{GBuffer, Image, Renderer, Settings, View};
+use crate::error::Result;
+use crate::scene::Scene;
+use std::sync::Arc;
+
+/// Draws with all cores.
+#[derive(Default)]
+pub struct CpuRenderer {
+    scene: Option<Arc<Scene>>,
+    /// The distance field of the loaded scene, made when a ground first needs it.
+    field: Option<Field>,
+    /// The last ground map and the constants it was made with.
+    ground_map: Option<(FrameConstants, GroundMap)>,
+}
+
+impl CpuRenderer {
+    /// A renderer without a scene.
+    #[must_use]
+    pub fn new() -> CpuRenderer {
+        CpuRenderer::default()
+    }
+
+    /// The ground map for these constants; found anew only if something it depends on has changed.
+    fn ground_map(&mut self, scene: &Scene, frame: &FrameConstants) -> GroundMap {
+        if !frame.has_ground() {
+            return GroundMap::none();
+        }
+        let kept = self.ground_map.take().filter(|(old, _)| same_ground(old, frame));
+        let (_, map) = self.ground_map.insert(kept.unwrap_or_else(|| {
+            let field = self.field.get_or_insert_with(|| Field::new(scene));
+            (*frame, field.ground_map(frame))
+        }));
+        map.clone()
+    }
+}
+
+/// Whether two frames have the same ground map.
+fn same_ground(a: &FrameConstants, b: &FrameConstants) -> bool {
+    a.ground == b.ground
+        && a.ground_map == b.ground_map
+        && a.ground_map_size == b.ground_map_size
+        && a.key_in_world == b.key_in_world
+        && a.bounds_min == b.bounds_min
+        && a.bounds_max == b.bounds_max
+}
+
+impl Renderer for CpuRenderer {
+    fn name(&self) -> String {
+        "cpu".to_owned()
+    }
+
+    fn load(&mut self, scene: Arc<Scene>) -> Result<()> {
+        let same = self.scene.as_ref().is_some_and(|old| {
+            Arc::ptr_eq(&old.blocks, &scene.blocks) && old.placements == scene.placements
+        });
+        if !same {
+            self.field = None;
+            self.ground_map = None;
+        }
+        self.scene = Some(scene);
+        Ok(())
+    }
+
+    fn image(&mut self, view: &View, settings: &Settings) -> Result<Image> {
+        let scene = self.scene.clone().unwrap_or_else(|| Arc::new(Scene::from_blocks(Vec::new(), Vec::new())));
+        let frame = FrameConstants::new(&scene, view, settings);
+        let ground_map = self.ground_map(&scene, &frame);
+        Ok(tiles::image(&scene, view, settings, &ground_map))
+    }
+
+    fn gbuffer(&mut self, view: &View) -> Result<GBuffer> {
+        let scene = self.scene.clone().unwrap_or_else(|| Arc::new(Scene::from_blocks(Vec::new(), Vec::new())));
+        Ok(tiles::gbuffer(&scene, view))
+    }
+}

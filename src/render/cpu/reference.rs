@@ -1,0 +1,106 @@
+//! The reference: plain, scalar, single-threaded ray casting over one hierarchy. The only writer of golden pictures.
+
+use super::intersect::{cylinder_t, sphere_t};
+use super::shader::Shader;
+use crate::math::Aabb;
+use crate::render::field::{Field, GroundMap};
+use crate::render::frame::{FrameConstants, resolve};
+use crate::render::hierarchy::Hierarchy;
+use crate::render::image::{GBuffer, Image};
+use crate::render::settings::{Settings, View, sample_offset};
+use crate::render::solids::Solids;
+use crate::scene::{PixelGrid, Ray, Scene};
+use glam::Vec4;
+
+/// The scene as the reference sees it.
+struct Reference {
+    solids: Solids,
+    hierarchy: Hierarchy,
+    near: f32,
+}
+
+impl Reference {
+    fn new(scene: &Scene, view: &View) -> Reference {
+        let solids = Solids::new(scene, view.camera.view_from_world());
+        let hierarchy = Hierarchy::new(&solids.bounds());
+        Reference { solids, hierarchy, near: view.camera.near }
+    }
+
+    /// The nearest primitive and its depth; of equals the first.
+    fn nearest(&self, ray: &Ray) -> Option<(u32, f32)> {
+        let inverse = ray.direction.recip();
+        let mut best = (f32::INFINITY, u32::MAX);
+        self.hierarchy.visit(
+            &mut best,
+            |best, b: &Aabb| {
+                // The slack covers the rounding of the slab test: a box must not hide what it holds.
+                let slack = 1e-5 * (b.min.abs().max(b.max.abs())).max_element();
+                let (enter, leave) = b.grown(slack).slab(ray.origin, inverse)?;
+                (leave >= self.near && enter <= best.0).then_some(enter)
+            },
+            |best, index| {
+                let i = index as usize;
+                let t = match i.checked_sub(self.solids.spheres.len()) {
+                    None => sphere_t(ray, &self.solids.spheres[i], self.near),
+                    Some(cylinder) => cylinder_t(ray, &self.solids.cylinders[cylinder], self.near),
+                };
+                if (t, index) < *best {
+                    *best = (t, index);
+                }
+            },
+        );
+        best.0.is_finite().then_some((best.1, best.0))
+    }
+}
+
+/// Calls `pixel` for every pixel of the wanted region with its place in the full picture.
+fn for_each_pixel(view: &View, mut pixel: impl FnMut(f32, f32)) {
+    let region = view.region();
+    for y in region.y..region.y + region.height {
+        for x in region.x..region.x + region.width {
+            pixel(x as f32, y as f32);
+        }
+    }
+}
+
+/// The finished picture.
+#[must_use]
+pub fn image(scene: &Scene, view: &View, settings: &Settings) -> Image {
+    let frame = FrameConstants::new(scene, view, settings);
+    let ground_map = Field::new(scene).ground_map(&frame);
+    let reference = Reference::new(scene, view);
+    let shader = Shader::new(&frame, &reference.solids, &ground_map);
+    let grid: PixelGrid = view.pixel_grid();
+    let region = view.region();
+    let mut rgba = Vec::with_capacity(region.width as usize * region.height as usize * 4);
+    let samples = settings.samples.clamp(1, 4096);
+    for_each_pixel(view, |x, y| {
+        let mut sum = Vec4::ZERO;
+        for sample in 0..samples {
+            let [dx, dy] = sample_offset(sample);
+            let ray = grid.ray(grid.plane(x + dx, y + dy));
+            sum += shader.shade(&ray, shader.seen(&ray, reference.nearest(&ray)));
+        }
+        let pixel = resolve(sum, samples);
+        rgba.extend_from_slice(bytemuck::bytes_of(&pixel));
+    });
+    Image { width: region.width, height: region.height, rgba }
+}
+
+/// What is seen at the pixel centres.
+#[must_use]
+pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
+    let settings = Settings::default();
+    let frame = FrameConstants::new(scene, view, &settings);
+    let ground_map = GroundMap::none();
+    let reference = Reference::new(scene, view);
+    let shader = Shader::new(&frame, &reference.solids, &ground_map);
+    let grid = view.pixel_grid();
+    let region = view.region();
+    let mut buffer = GBuffer::with_capacity(region.width, region.height);
+    for_each_pixel(view, |x, y| {
+        let ray = grid.ray(grid.plane(x + 0.5, y + 0.5));
+        buffer.push(shader.facts(&ray, shader.seen(&ray, reference.nearest(&ray))));
+    });
+    buffer
+}

@@ -1,0 +1,237 @@
+//! The constants of one picture, the same bytes for both renderers, and the shading that is computed from them.
+//!
+//! Shading here is the definition; `shaders/shade.wgsl` holds its twin, function for function.
+
+use super::settings::{Settings, View};
+use crate::color::Srgb8;
+use crate::scene::{Background, Scene};
+use glam::{Affine3A, Vec3, Vec4};
+
+/// Everything shading needs. Laid out as a WGSL uniform: rows of 16 bytes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct FrameConstants {
+    /// Columns of the world-from-view transform: x, y, z axis and eye; the fourth components are 0, 0, 0, 1.
+    pub world_from_view: [[f32; 4]; 4],
+    /// Unit direction to the key light in view space; w: its strength.
+    pub key: [f32; 4],
+    /// Unit direction to the fill light in view space; w: its strength.
+    pub fill: [f32; 4],
+    /// World up in view space; w: ambient light from above.
+    pub up: [f32; 4],
+    /// x: ambient light from below, y: strength of the highlight, z: its exponent, w: 1 for a transparent background.
+    pub ambient: [f32; 4],
+    /// Linear colour of the background; w: fog strength.
+    pub background: [f32; 4],
+    /// x: depth where fog starts, y: 1 / (depth over which it grows), z: near, w: far.
+    pub depth: [f32; 4],
+    /// Linear colour of the ground; w: 1 if there is a ground.
+    pub ground_color: [f32; 4],
+    /// x: height, y: fade start, z: 1 / (fade end − fade start), w: 0.
+    pub ground: [f32; 4],
+    /// x, y: world x and z of the ground's centre; z: darkness of its shadow, w: darkness of its occlusion.
+    pub ground_center: [f32; 4],
+    /// The ground map: world x and z of its corner, texels per ångström, and its extents in `ground_map_size`.
+    pub ground_map: [f32; 4],
+    /// Ground map: width and height in texels; z: penumbra sharpness, w: reach of occlusion in ångström.
+    pub ground_map_size: [f32; 4],
+    /// Unit direction to the key light in world space; w: 0.
+    pub key_in_world: [f32; 4],
+    /// The scene's box in world space, lower corner; w: 0.
+    pub bounds_min: [f32; 4],
+    /// The scene's box in world space, upper corner; w: 0.
+    pub bounds_max: [f32; 4],
+    /// x: plane units per pixel, y, z: centre of the full picture in pixels, w: 1 for orthographic projection.
+    pub grid: [f32; 4],
+}
+
+/// Texel grid of the ground map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GroundGrid {
+    /// World x and z of the corner of texel (0, 0).
+    pub corner: [f32; 2],
+    /// Texels per ångström.
+    pub texels_per_angstrom: f32,
+    /// Texels in x and z.
+    pub size: [u32; 2],
+}
+
+impl FrameConstants {
+    /// The constants of a scene seen by a view.
+    #[must_use]
+    pub fn new(scene: &Scene, view: &View, settings: &Settings) -> FrameConstants {
+        let camera = view.camera;
+        let light = scene.lighting;
+        let world_from_view = glam::Mat3::from_quat(camera.world_from_view);
+        let up_in_view = world_from_view.transpose() * Vec3::Y;
+        let key_in_world = world_from_view * light.key_in_view;
+        let bounds = scene.bounds();
+        let (background, transparent) = match scene.background {
+            Background::Color(color) => (color, 0.0),
+            Background::Transparent => (Srgb8::WHITE, 1.0),
+        };
+        // Fog spans the molecule and grows only as deep as it is large: nothing flat is fogged.
+        let half = bounds.size().length() * 0.5;
+        let middle = camera.depth(bounds.center());
+        let fog = if transparent > 0.0 || bounds.is_empty() { 0.0 } else { light.fog };
+        let [grid, ground_map, ground_map_size] = grids(scene, view, settings, key_in_world);
+        let ground = scene.ground;
+        let row = |v: Vec3, w: f32| Vec4::from((v, w)).to_array();
+        let color = |c: Srgb8, w: f32| row(Vec3::from(c.to_linear()), w);
+        let ground_color = ground.and_then(|ground| ground.color).unwrap_or(background);
+        FrameConstants {
+            world_from_view: [
+                row(world_from_view.x_axis, 0.0),
+                row(world_from_view.y_axis, 0.0),
+                row(world_from_view.z_axis, 0.0),
+                row(camera.eye, 1.0),
+            ],
+            key: row(light.key_in_view, light.key),
+            fill: row(light.fill_in_view, light.fill),
+            up: row(up_in_view, light.sky),
+            ambient: [light.bounce, light.specular, light.shininess, transparent],
+            background: color(background, fog),
+            depth: [middle - half, 1.0 / (2.0 * half).max(1e-6), camera.near, camera.far],
+            ground_color: color(ground_color, if ground.is_some() { 1.0 } else { 0.0 }),
+            ground: ground
+                .map_or([0.0; 4], |g| [g.height, g.fade_start, 1.0 / (g.fade_end - g.fade_start).max(1e-6), 0.0]),
+            ground_center: ground.map_or([0.0; 4], |g| [g.center_xz[0], g.center_xz[1], g.shadow, g.occlusion]),
+            ground_map,
+            ground_map_size,
+            key_in_world: row(key_in_world, 0.0),
+            bounds_min: row(if bounds.is_empty() { Vec3::ZERO } else { bounds.min }, 0.0),
+            bounds_max: row(if bounds.is_empty() { Vec3::ZERO } else { bounds.max }, 0.0),
+            grid,
+        }
+    }
+
+    /// From view to world space.
+    #[must_use]
+    pub fn world_from_view(&self) -> Affine3A {
+        let column = |i: usize| Vec4::from(self.world_from_view[i]).truncate();
+        Affine3A::from_cols(column(0).into(), column(1).into(), column(2).into(), column(3).into())
+    }
+
+    /// The texel grid of the ground map.
+    #[must_use]
+    pub fn ground_grid(&self) -> GroundGrid {
+        GroundGrid {
+            corner: [self.ground_map[0], self.ground_map[1]],
+            texels_per_angstrom: self.ground_map[2],
+            size: [self.ground_map_size[0] as u32, self.ground_map_size[1] as u32],
+        }
+    }
+
+    /// Whether there is a ground, and light that can reach it from above.
+    #[must_use]
+    pub fn has_ground(&self) -> bool {
+        self.ground_color[3] > 0.5
+    }
+}
+
+/// Pixel grid, ground map placement, ground map size.
+fn grids(scene: &Scene, view: &View, settings: &Settings, key_in_world: Vec3) -> [[f32; 4]; 3] {
+    let pixels = view.pixel_grid();
+    let grid =
+        [pixels.plane_per_px, pixels.center_px[0], pixels.center_px[1], if pixels.orthographic { 1.0 } else { 0.0 }];
+    let Some(ground) = scene.ground else { return [grid, [0.0; 4], [0.0; 4]] };
+    let bounds = scene.bounds();
+    // The shadow of the box, its penumbra, and the reach of occlusion around its footprint. A light that grazes the
+    // ground would throw a shadow without end: it is cut where the ground has faded.
+    let rise = key_in_world.y.max(0.05);
+    let (low, high) = (bounds.min.y - ground.height, bounds.max.y - ground.height);
+    let (mut min, mut max) = (glam::Vec2::INFINITY, glam::Vec2::NEG_INFINITY);
+    let foot_min = glam::Vec2::new(bounds.min.x, bounds.min.z);
+    let foot_max = glam::Vec2::new(bounds.max.x, bounds.max.z);
+    for height in [low, high] {
+        let shift = -glam::Vec2::new(key_in_world.x, key_in_world.z) * (height / rise);
+        let penumbra = height / rise / ground.sharpness;
+        min = min.min(foot_min + shift - penumbra);
+        max = max.max(foot_max + shift + penumbra);
+    }
+    min = min.min(foot_min - ground.occlusion_reach);
+    max = max.max(foot_max + ground.occlusion_reach);
+    let center = glam::Vec2::from(ground.center_xz);
+    min = min.max(center - ground.fade_end);
+    max = max.min(center + ground.fade_end);
+    let extent = (max - min).max(glam::Vec2::splat(1e-3));
+    let texels = settings.ground_texels.clamp(16, 2048) as f32;
+    let per_angstrom = texels / extent.max_element();
+    // One texel of free border on each side: outside the map the ground is in full light.
+    let size = (extent * per_angstrom).ceil() + 2.0;
+    let corner = min - 1.0 / per_angstrom;
+    [grid, [corner.x, corner.y, per_angstrom, 0.0], [size.x, size.y, ground.sharpness, ground.occlusion_reach]]
+}
+
+/// A visible point of the molecule, in view space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface {
+    /// Depth along the view axis.
+    pub depth: f32,
+    /// Unit normal.
+    pub normal: Vec3,
+    /// Linear colour.
+    pub albedo: Vec3,
+}
+
+/// Light from a point of the molecule; `direction` is the ray's, view space.
+#[must_use]
+pub fn shade_surface(frame: &FrameConstants, surface: &Surface, direction: Vec3) -> Vec3 {
+    let row = |row: [f32; 4]| Vec4::from(row).truncate();
+    let n = surface.normal;
+    let to_eye = -direction * (1.0 / direction.dot(direction).sqrt());
+    let key = row(frame.key);
+    let lambert = frame.key[3] * n.dot(key).max(0.0) + frame.fill[3] * n.dot(row(frame.fill)).max(0.0);
+    let facing_up = 0.5 + 0.5 * n.dot(row(frame.up));
+    let ambient = frame.ambient[0] + (frame.up[3] - frame.ambient[0]) * facing_up;
+    let half = key + to_eye;
+    let half = half * (1.0 / half.dot(half).max(1e-12).sqrt());
+    // A surface turned from the light has no highlight.
+    let lit = if n.dot(key) > 0.0 { 1.0 } else { 0.0 };
+    let highlight = lit * frame.ambient[1] * n.dot(half).max(1e-6).powf(frame.ambient[2]);
+    let color = surface.albedo * (ambient + lambert) + highlight;
+    let fog = frame.background[3] * ((surface.depth - frame.depth[0]) * frame.depth[1]).clamp(0.0, 1.0);
+    color + (row(frame.background) - color) * fog
+}
+
+/// Premultiplied linear colour and alpha of the ground at a world point, given how much of the key light (`visible`) and
+/// of the sky (`open`) reach it.
+#[must_use]
+pub fn shade_ground(frame: &FrameConstants, point_in_world: Vec3, visible: f32, open: f32) -> Vec4 {
+    let dx = point_in_world.x - frame.ground_center[0];
+    let dz = point_in_world.z - frame.ground_center[1];
+    let far = (((dx * dx + dz * dz).sqrt() - frame.ground[1]) * frame.ground[2]).clamp(0.0, 1.0);
+    let fade = 1.0 - far * far * (3.0 - 2.0 * far);
+    let light = (1.0 - frame.ground_center[2] * (1.0 - visible)) * (1.0 - frame.ground_center[3] * (1.0 - open));
+    let background = Vec4::from(frame.background).truncate();
+    let ground = Vec4::from(frame.ground_color).truncate();
+    if frame.ambient[3] > 0.5 {
+        // Nothing but the shadow: black, as dense as the light is missing.
+        return Vec4::new(0.0, 0.0, 0.0, fade * (1.0 - light));
+    }
+    Vec4::from((background + (ground * light - background) * fade, 1.0))
+}
+
+/// What is seen where there is neither molecule nor ground: premultiplied linear colour and alpha.
+#[must_use]
+pub fn shade_background(frame: &FrameConstants) -> Vec4 {
+    if frame.ambient[3] > 0.5 { Vec4::ZERO } else { Vec4::from((Vec4::from(frame.background).truncate(), 1.0)) }
+}
+
+/// Where a view ray meets the ground from above: its `t`, infinity if it does not. `origin` and `direction` are the ray's in world space.
+#[must_use]
+pub fn ground_t(frame: &FrameConstants, origin: Vec3, direction: Vec3) -> f32 {
+    if !frame.has_ground() || direction.y > -1e-6 || origin.y <= frame.ground[0] {
+        return f32::INFINITY;
+    }
+    let t = (frame.ground[0] - origin.y) / direction.y;
+    if t >= frame.depth[2] { t } else { f32::INFINITY }
+}
+
+/// The mean of samples (premultiplied linear colour and alpha) as a straight sRGB pixel.
+#[must_use]
+pub fn resolve(sum: Vec4, samples: u32) -> Srgb8 {
+    let mean = sum / samples as f32;
+    let straight = if mean.w > 0.0 { mean.truncate() / mean.w } else { Vec3::ZERO };
+    Srgb8::from_linear(straight.to_array(), mean.w)
+}

@@ -1,0 +1,85 @@
+//! Light, background and ground: the numbers of the picture's look, in one place.
+//!
+//! All weights are ours, chosen by eye: a surface that faces the key light comes out at its own colour (the sum
+//! there is 1), so that element colours are what the legend says; the fill keeps the far side from going black.
+
+use crate::color::Srgb8;
+use glam::Vec3;
+
+/// The lights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lighting {
+    /// Direction to the key light in view space (x right, y up, z to the viewer); it moves with the camera. Default: upper left.
+    pub key_in_view: Vec3,
+    /// Strength of the key light. Default: 0.62.
+    pub key: f32,
+    /// Direction to the fill light in view space. Default: right, a little below.
+    pub fill_in_view: Vec3,
+    /// Strength of the fill light. Default: 0.10.
+    pub fill: f32,
+    /// Ambient light on surfaces that face up. Default: 0.46.
+    pub sky: f32,
+    /// Ambient light on surfaces that face down. Default: 0.24.
+    pub bounce: f32,
+    /// Strength of the highlight. Default: 0.16.
+    pub specular: f32,
+    /// Blinn–Phong exponent of the highlight. Default: 48.
+    pub shininess: f32,
+    /// How much of the background's colour the farthest point takes on (depth cueing). Default: 0.35.
+    pub fog: f32,
+}
+
+impl Default for Lighting {
+    fn default() -> Self {
+        Lighting {
+            key_in_view: Vec3::new(-0.45, 0.75, 0.55).normalize(),
+            key: 0.62,
+            fill_in_view: Vec3::new(0.8, -0.2, 0.55).normalize(),
+            fill: 0.10,
+            sky: 0.46,
+            bounce: 0.24,
+            specular: 0.16,
+            shininess: 48.0,
+            fog: 0.35,
+        }
+    }
+}
+
+/// What is behind everything.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Background {
+    /// One colour.
+    Color(Srgb8),
+    /// Nothing: the picture's alpha says what is covered, the ground keeps its shadow.
+    Transparent,
+}
+
+impl Default for Background {
+    fn default() -> Self {
+        Background::Color(Srgb8::WHITE)
+    }
+}
+
+/// The ground: a horizontal plane that catches the shadow and otherwise looks like the background.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ground {
+    /// World y of the plane, ångström.
+    pub height: f32,
+    /// The point of the plane below the scene's centre, world x and z.
+    pub center_xz: [f32; 2],
+    /// Within this distance from the centre the ground is fully there, ångström.
+    pub fade_start: f32,
+    /// From this distance on it is the background, ångström.
+    pub fade_end: f32,
+    /// Colour; `None` takes the background's.
+    pub color: Option<Srgb8>,
+    /// How dark the shadow of the key light gets, 0–1. Default: 0.42.
+    pub shadow: f32,
+    /// How dark the occluded ground gets, 0–1. Default: 0.5.
+    pub occlusion: f32,
+    /// Penumbra: visibility is the smallest `sharpness · distance / t` along the way to the light. Default: 6
+    /// (a light about 19° across).
+    pub sharpness: f32,
+    /// How far occlusion reaches, ångström; the fit takes a fifth of the scene's size.
+    pub occlusion_reach: f32,
+}

@@ -1,0 +1,158 @@
+//! From structures to something to draw: primitives, placements, camera, light, ground.
+//!
+//! A [`Scene`] is blocks of primitives × placements (rigid transforms), so that assemblies, symmetry mates and
+//! supercells draw one copy many times; a plain molecule is one block placed once. Nothing here knows how it is drawn.
+
+mod build;
+mod camera;
+mod coloring;
+pub mod fit;
+mod instances;
+mod light;
+mod sticks;
+mod style;
+
+pub use build::{AltlocChoice, Item, Orientation, SceneOptions};
+pub use camera::{Camera, PixelGrid, Projection, Ray, Region};
+pub use coloring::ColorBy;
+pub use instances::{Cap, CylinderInstance, SphereInstance};
+pub use light::{Background, Ground, Lighting};
+pub use sticks::{MAX_RING, Neighbours};
+pub use style::Style;
+
+use crate::math::Aabb;
+use glam::{Affine3A, Quat, Vec3};
+use std::sync::Arc;
+
+/// Primitives in a space of their own.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Block {
+    /// Balls.
+    pub spheres: Vec<SphereInstance>,
+    /// Sticks.
+    pub cylinders: Vec<CylinderInstance>,
+    /// Ids in this block are 1 ..= `id_count`; a placement shifts them.
+    pub id_count: u32,
+}
+
+/// One copy of a block in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placement {
+    /// Index into [`Scene::blocks`].
+    pub block: usize,
+    /// Rigid transform (a rotation or reflection and a translation; no scaling).
+    pub world_from_block: Affine3A,
+    /// Added to the ids of the block.
+    pub first_id: u32,
+}
+
+/// All there is to draw.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// Primitives, each once; shared, so that a scene with another light or ground costs nothing.
+    pub blocks: Arc<Vec<Block>>,
+    /// Where they stand.
+    pub placements: Vec<Placement>,
+    /// The lights.
+    pub lighting: Lighting,
+    /// What is behind.
+    pub background: Background,
+    /// The ground, if there is one.
+    pub ground: Option<Ground>,
+    /// How the default camera is turned.
+    pub world_from_view: Quat,
+    /// Whether the default camera is a perspective one.
+    pub perspective: bool,
+    bounds: Aabb,
+}
+
+impl Scene {
+    /// From structures (their first frames) and options.
+    ///
+    /// ```
+    /// use ballstick::scene::{Item, Scene, SceneOptions};
+    /// let file = b"2\nhydrogen\nH 0 0 0\nH 0 0 0.74\n";
+    /// let document = ballstick::import::read_bytes(file, "h2.xyz", &Default::default())?;
+    /// let molecule = ballstick::bonds::assign(document.records[0].clone(), &Default::default());
+    /// let scene = Scene::new(&[Item::of(&molecule)], &SceneOptions::default());
+    /// assert_eq!((scene.sphere_count(), scene.cylinder_count()), (2, 1));
+    /// # Ok::<(), ballstick::Error>(())
+    /// ```
+    #[must_use]
+    pub fn new(items: &[Item<'_>], options: &SceneOptions) -> Scene {
+        build::build(items, options)
+    }
+
+    /// From parts: placements of blocks that do not exist are left out; bounds are found.
+    #[must_use]
+    pub fn from_blocks(blocks: Vec<Block>, mut placements: Vec<Placement>) -> Scene {
+        placements.retain(|placement| placement.block < blocks.len());
+        let mut scene = Scene {
+            blocks: Arc::new(blocks),
+            placements,
+            lighting: Lighting::default(),
+            background: Background::default(),
+            ground: None,
+            world_from_view: Quat::IDENTITY,
+            perspective: true,
+            bounds: Aabb::EMPTY,
+        };
+        scene.bounds = scene.find_bounds();
+        scene
+    }
+
+    /// The box around everything but the ground, world space.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// Number of spheres drawn, over all placements.
+    #[must_use]
+    pub fn sphere_count(&self) -> usize {
+        self.placements.iter().map(|placement| self.blocks[placement.block].spheres.len()).sum()
+    }
+
+    /// Number of cylinders drawn, over all placements.
+    #[must_use]
+    pub fn cylinder_count(&self) -> usize {
+        self.placements.iter().map(|placement| self.blocks[placement.block].cylinders.len()).sum()
+    }
+
+    /// Centres and radii of all spheres in world space.
+    pub fn world_spheres(&self) -> impl Iterator<Item = (Vec3, f32)> + Clone {
+        self.placements.iter().flat_map(|placement| {
+            self.blocks[placement.block]
+                .spheres
+                .iter()
+                .map(|sphere| (placement.world_from_block.transform_point3(sphere.center.into()), sphere.radius))
+        })
+    }
+
+    /// The default camera for a picture of this shape (width / height): everything in it, the broadest side to the viewer.
+    #[must_use]
+    pub fn fitted_camera(&self, aspect: f32) -> Camera {
+        fit::frame(self.world_spheres(), self.world_from_view, self.perspective, aspect)
+    }
+
+    /// Puts a ground under the scene, or takes it away.
+    pub fn set_ground(&mut self, on: bool) {
+        self.ground = (on && !self.bounds.is_empty()).then(|| build::ground_under(self.bounds));
+    }
+
+    fn find_bounds(&self) -> Aabb {
+        let mut bounds = Aabb::EMPTY;
+        for placement in &self.placements {
+            let block = &self.blocks[placement.block];
+            let to_world = |p: [f32; 3]| placement.world_from_block.transform_point3(p.into());
+            for sphere in &block.spheres {
+                bounds = bounds.union(Aabb::of_sphere(to_world(sphere.center), sphere.radius));
+            }
+            for stick in &block.cylinders {
+                bounds = bounds.union(Aabb::of_sphere(to_world(stick.a), stick.radius));
+                bounds = bounds.union(Aabb::of_sphere(to_world(stick.b), stick.radius));
+            }
+        }
+        bounds
+    }
+}

@@ -1,0 +1,323 @@
+//! Sticks of a bond: one, two or three, in the plane of the neighbours, inside the ring in a ring.
+//!
+//! A bond outside rings has its sticks side by side; a double or aromatic bond of a ring (up to
+//! [`MAX_RING`] atoms) keeps one stick on the axis and gets a thinner, shorter one on the ring's inner side.
+//! Sticks end inside the balls, so that no flat end shows and nothing is drawn twice.
+
+use super::instances::{Cap, CylinderInstance};
+use crate::math::direction_or;
+use crate::structure::{Bond, BondKind, BondOrder};
+use glam::Vec3;
+use std::collections::VecDeque;
+
+/// Larger rings are drawn as chains: from nine atoms on "inside" no longer helps the eye.
+pub const MAX_RING: usize = 8;
+
+/// The bonds of every atom, as one array.
+#[derive(Debug)]
+pub struct Neighbours {
+    first: Vec<u32>,
+    other: Vec<u32>,
+}
+
+impl Neighbours {
+    /// From a bond list over `atom_count` atoms; bonds for which `keep` is false are left out.
+    #[must_use]
+    pub fn new(atom_count: usize, bonds: &[Bond], keep: impl Fn(&Bond) -> bool) -> Neighbours {
+        let mut first = vec![0u32; atom_count + 1];
+        for bond in bonds.iter().filter(|bond| keep(bond)) {
+            first[bond.a as usize + 1] += 1;
+            first[bond.b as usize + 1] += 1;
+        }
+        for i in 0..atom_count {
+            first[i + 1] += first[i];
+        }
+        let mut next = first.clone();
+        let mut other = vec![0u32; first[atom_count] as usize];
+        for bond in bonds.iter().filter(|bond| keep(bond)) {
+            for (from, to) in [(bond.a, bond.b), (bond.b, bond.a)] {
+                other[next[from as usize] as usize] = to;
+                next[from as usize] += 1;
+            }
+        }
+        Neighbours { first, other }
+    }
+
+    /// The atoms bonded to `atom`.
+    #[must_use]
+    pub fn of(&self, atom: u32) -> &[u32] {
+        let atom = atom as usize;
+        &self.other[self.first[atom] as usize..self.first[atom + 1] as usize]
+    }
+}
+
+/// One stick beside the axis of its bond.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Strand {
+    /// Offset from the axis in ångström.
+    offset: Vec3,
+    /// Radius in ångström.
+    radius: f32,
+    /// How much each end is drawn back from its atom, beyond what the ball hides.
+    shortened: f32,
+}
+
+/// Everything a stick needs beside its bond.
+pub(super) struct StickContext<'a> {
+    pub(super) positions: &'a [Vec3],
+    pub(super) neighbours: &'a Neighbours,
+    /// Radius of the balls in ångström.
+    pub(super) ball_radius: &'a dyn Fn(u32) -> f32,
+    /// Radius of a single stick in ångström.
+    pub(super) stick_radius: f32,
+    /// Whether sticks without a ball to hide in need round ends.
+    pub(super) round_ends: bool,
+}
+
+impl StickContext<'_> {
+    /// The sticks of a bond, written through `push`; a bond of zero length has none.
+    pub(super) fn sticks(&self, bond: &Bond, template: CylinderInstance, mut push: impl FnMut(CylinderInstance)) {
+        let (a, b) = (self.positions[bond.a as usize], self.positions[bond.b as usize]);
+        let axis = b - a;
+        let length = axis.length();
+        if length.is_nan() || length < 1e-6 {
+            return;
+        }
+        let axis = axis / length;
+        let single = Strand { offset: Vec3::ZERO, radius: self.stick_radius, shortened: 0.0 };
+        let (strands, count) = self.strands(bond, axis, single);
+        for strand in &strands[..count] {
+            // Hidden in both balls by the same length, so that the colours meet in the middle of the bond.
+            let reach = strand.offset.length() + strand.radius;
+            let hidden = |atom: u32| {
+                let radius = (self.ball_radius)(atom);
+                0.9 * (radius * radius - reach * reach).max(0.0).sqrt()
+            };
+            let inset = (hidden(bond.a).min(hidden(bond.b)) + strand.shortened).min(0.45 * length);
+            // An end that shows (no ball hides it) is round unless the stick merely meets the next one on the axis.
+            let shows = |atom: u32| reach > (self.ball_radius)(atom) + 1e-4;
+            let cap = |atom: u32| if shows(atom) && self.round_ends { Cap::Round } else { Cap::Flat };
+            push(CylinderInstance {
+                a: (a + strand.offset + axis * inset).to_array(),
+                b: (b + strand.offset - axis * inset).to_array(),
+                radius: strand.radius,
+                caps: CylinderInstance::pack_caps(cap(bond.a), cap(bond.b)),
+                ..template
+            });
+        }
+    }
+
+    fn strands(&self, bond: &Bond, axis: Vec3, single: Strand) -> ([Strand; 4], usize) {
+        let r = self.stick_radius;
+        let multiple = bond.aromatic || bond.order >= BondOrder::Double;
+        if bond.kind != BondKind::Covalent || !multiple {
+            return ([single; 4], 1);
+        }
+        let side = self.side(bond, axis);
+        let beside = |offset: f32, radius: f32| Strand { offset: side * offset, radius, shortened: 0.0 };
+        match bond.order {
+            BondOrder::Triple => {
+                let (gap, thin) = (1.25 * r, 0.5 * r);
+                ([beside(-gap, thin), beside(0.0, thin), beside(gap, thin), single], 3)
+            }
+            BondOrder::Quadruple => {
+                let other = axis.cross(side);
+                let (gap, thin) = (0.8 * r, 0.45 * r);
+                let corner =
+                    |u: f32, v: f32| Strand { offset: (side * u + other * v) * gap, radius: thin, shortened: 0.0 };
+                ([corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)], 4)
+            }
+            _ => match self.ring_center(bond) {
+                Some(center) => {
+                    let middle = (self.positions[bond.a as usize] + self.positions[bond.b as usize]) * 0.5;
+                    let inward = center - middle;
+                    let inward = direction_or(inward - axis * inward.dot(axis), side);
+                    // The inner stick is a chord of the ring's inside: drawn back by what keeps neighbours apart.
+                    let inner = Strand { offset: inward * 1.75 * r, radius: 0.5 * r, shortened: 0.9 * r };
+                    let main = Strand { radius: 0.8 * r, ..single };
+                    ([main, inner, single, single], 2)
+                }
+                None => {
+                    let (gap, thin) = (0.85 * r, 0.6 * r);
+                    ([beside(-gap, thin), beside(gap, thin), single, single], 2)
+                }
+            },
+        }
+    }
+
+    /// The unit vector across the bond in the plane of its neighbours; any perpendicular where they say nothing
+    /// (diatomics, straight chains without ends).
+    fn side(&self, bond: &Bond, axis: Vec3) -> Vec3 {
+        let mut sum = Vec3::ZERO;
+        for (end, other) in [(bond.a, bond.b), (bond.b, bond.a)] {
+            self.add_sides(end, other, axis, &mut sum);
+        }
+        if sum == Vec3::ZERO {
+            // A straight atom (allene, CO2, nitrile): take the plane at the far end of its other bond.
+            for (end, other) in [(bond.a, bond.b), (bond.b, bond.a)] {
+                for &next in self.neighbours.of(end).iter().filter(|&&next| next != other) {
+                    self.add_sides(next, end, axis, &mut sum);
+                }
+            }
+            // Across consecutive double bonds the planes alternate by 90°.
+            sum = axis.cross(sum);
+        }
+        direction_or(sum, axis.any_orthonormal_vector())
+    }
+
+    /// Adds the parts across `axis` of the directions from `end` to its neighbours but `other`, turned to agree in sign.
+    fn add_sides(&self, end: u32, other: u32, axis: Vec3, sum: &mut Vec3) {
+        let from = self.positions[end as usize];
+        for &next in self.neighbours.of(end).iter().filter(|&&next| next != other) {
+            let direction = direction_or(self.positions[next as usize] - from, Vec3::ZERO);
+            let across = direction - axis * direction.dot(axis);
+            // Under 6° from straight the direction is noise.
+            if across.length_squared() > 0.01 {
+                *sum += if across.dot(*sum) < 0.0 { -across } else { across };
+            }
+        }
+    }
+
+    /// The centre of the smallest ring (3 to [`MAX_RING`] atoms) that the bond is in.
+    fn ring_center(&self, bond: &Bond) -> Option<Vec3> {
+        // Breadth first from one atom to the other without the bond itself; paths stay short, so lists beat maps.
+        let mut reached: Vec<(u32, u32)> = vec![(bond.a, u32::MAX)]; // atom, index of the one before
+        let mut queue: VecDeque<(u32, usize)> = VecDeque::from([(0, 1)]); // index into `reached`, atoms so far
+        while let Some((at, atoms)) = queue.pop_front() {
+            let atom = reached[at as usize].0;
+            for &next in self.neighbours.of(atom) {
+                if atom == bond.a && next == bond.b || reached.iter().any(|&(seen, _)| seen == next) {
+                    continue;
+                }
+                if next == bond.b {
+                    let mut sum = self.positions[bond.b as usize];
+                    let mut back = at;
+                    while back != u32::MAX {
+                        sum += self.positions[reached[back as usize].0 as usize];
+                        back = reached[back as usize].1;
+                    }
+                    return Some(sum / (atoms + 1) as f32);
+                }
+                // Bounded by what a ring of this size can reach: hubs of metal clusters would visit the whole cluster.
+                if atoms + 1 < MAX_RING && reached.len() < 256 {
+                    reached.push((next, at));
+                    queue.push_back((reached.len() as u32 - 1, atoms + 1));
+                }
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::structure::BondSource;
+
+    fn sticks_of(positions: &[Vec3], bonds: &[Bond], which: usize) -> Vec<CylinderInstance> {
+        let neighbours = Neighbours::new(positions.len(), bonds, |_| true);
+        let context = StickContext {
+            positions,
+            neighbours: &neighbours,
+            ball_radius: &|_| 0.4,
+            stick_radius: 0.13,
+            round_ends: false,
+        };
+        let mut sticks = Vec::new();
+        context.sticks(&bonds[which], bytemuck::Zeroable::zeroed(), |stick| sticks.push(stick));
+        sticks
+    }
+
+    fn bond(a: u32, b: u32, order: BondOrder) -> Bond {
+        Bond::new(a, b, order, BondSource::File)
+    }
+
+    fn offset(stick: &CylinderInstance, a: Vec3, b: Vec3) -> Vec3 {
+        (Vec3::from(stick.a) + Vec3::from(stick.b) - a - b) * 0.5
+    }
+
+    #[test]
+    fn a_double_bond_lies_in_the_plane_of_its_neighbours() {
+        // Ethene in the xz plane.
+        let p = [
+            Vec3::new(-0.67, 0.0, 0.0),
+            Vec3::new(0.67, 0.0, 0.0),
+            Vec3::new(-1.24, 0.0, 0.93),
+            Vec3::new(-1.24, 0.0, -0.93),
+            Vec3::new(1.24, 0.0, 0.93),
+        ];
+        let bonds = [
+            bond(0, 1, BondOrder::Double),
+            bond(0, 2, BondOrder::Single),
+            bond(0, 3, BondOrder::Single),
+            bond(1, 4, BondOrder::Single),
+        ];
+        let sticks = sticks_of(&p, &bonds, 0);
+        assert_eq!(sticks.len(), 2);
+        for stick in &sticks {
+            let offset = offset(stick, p[0], p[1]);
+            assert!(offset.y.abs() < 1e-6 && offset.x.abs() < 1e-6 && offset.z.abs() > 0.05, "{offset}");
+        }
+        let gap = (Vec3::from(sticks[0].a) - Vec3::from(sticks[1].a)).length() - 2.0 * sticks[0].radius;
+        assert!(gap > 0.03, "the sticks must not touch: {gap}");
+    }
+
+    #[test]
+    fn in_a_ring_the_second_stick_is_inside() {
+        let hexagon: Vec<Vec3> = (0..6)
+            .map(|i| {
+                let angle = i as f32 * std::f32::consts::TAU / 6.0;
+                Vec3::new(1.39 * angle.cos(), 1.39 * angle.sin(), 0.0)
+            })
+            .collect();
+        let mut bonds: Vec<Bond> = (0..6).map(|i| bond(i, (i + 1) % 6, BondOrder::Unknown)).collect();
+        for bond in &mut bonds {
+            bond.aromatic = true;
+        }
+        for which in 0..6 {
+            let (a, b) = (hexagon[bonds[which].a as usize], hexagon[bonds[which].b as usize]);
+            let sticks = sticks_of(&hexagon, &bonds, which);
+            assert_eq!(sticks.len(), 2);
+            assert!(offset(&sticks[0], a, b).length() < 1e-6);
+            assert!(offset(&sticks[1], a, b).dot((a + b) * 0.5) < -0.1, "inside the ring");
+        }
+    }
+
+    #[test]
+    fn triple_bonds_have_three_sticks_and_straight_molecules_work() {
+        let p = [Vec3::ZERO, Vec3::X * 1.2, Vec3::X * 2.26, Vec3::NEG_X * 1.06];
+        let bonds = [bond(0, 1, BondOrder::Triple), bond(1, 2, BondOrder::Single), bond(0, 3, BondOrder::Single)];
+        let sticks = sticks_of(&p, &bonds, 0);
+        assert_eq!(sticks.len(), 3);
+        assert!(sticks.iter().all(|stick| stick.a.iter().all(|x| x.is_finite())));
+    }
+
+    #[test]
+    fn allene_planes_are_perpendicular() {
+        let p = [
+            Vec3::ZERO,
+            Vec3::X * 1.3,
+            Vec3::NEG_X * 1.3,
+            Vec3::new(1.85, 0.93, 0.0),
+            Vec3::new(1.85, -0.93, 0.0),
+            Vec3::new(-1.85, 0.0, 0.93),
+            Vec3::new(-1.85, 0.0, -0.93),
+        ];
+        let bonds = [
+            bond(0, 1, BondOrder::Double),
+            bond(0, 2, BondOrder::Double),
+            bond(1, 3, BondOrder::Single),
+            bond(1, 4, BondOrder::Single),
+            bond(2, 5, BondOrder::Single),
+            bond(2, 6, BondOrder::Single),
+        ];
+        let first = offset(&sticks_of(&p, &bonds, 0)[0], p[0], p[1]);
+        let second = offset(&sticks_of(&p, &bonds, 1)[0], p[0], p[2]);
+        assert!(first.dot(second).abs() < 1e-6 && first.y.abs() > 0.05, "{first} {second}");
+    }
+
+    #[test]
+    fn a_bond_of_zero_length_has_no_stick() {
+        assert!(sticks_of(&[Vec3::ONE, Vec3::ONE], &[bond(0, 1, BondOrder::Double)], 0).is_empty());
+    }
+}
