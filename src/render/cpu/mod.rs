@@ -63,9 +63,10 @@ impl Renderer for CpuRenderer {
     }
 
     fn load(&mut self, scene: Arc<Scene>) -> Result<()> {
-        let same = self.scene.as_ref().is_some_and(|old| {
-            Arc::ptr_eq(&old.blocks, &scene.blocks) && old.placements == scene.placements
-        });
+        let same = self
+            .scene
+            .as_ref()
+            .is_some_and(|old| Arc::ptr_eq(&old.blocks, &scene.blocks) && old.placements == scene.placements);
         if !same {
             self.field = None;
             self.ground_map = None;

@@ -75,13 +75,19 @@ pub fn image(scene: &Scene, view: &View, settings: &Settings) -> Image {
     let mut rgba = Vec::with_capacity(region.width as usize * region.height as usize * 4);
     let samples = settings.samples.clamp(1, 4096);
     for_each_pixel(view, |x, y| {
+        let backdrop = shader.backdrop(&grid.ray(grid.plane(x + 0.5, y + 0.5)));
         let mut sum = Vec4::ZERO;
+        let mut unseen = 0u32;
         for sample in 0..samples {
-            let [dx, dy] = sample_offset(sample);
+            let [dx, dy] = sample_offset(sample, samples);
             let ray = grid.ray(grid.plane(x + dx, y + dy));
-            sum += shader.shade(&ray, shader.seen(&ray, reference.nearest(&ray)));
+            let hit = reference.nearest(&ray).and_then(|(index, t)| shader.primitive(&ray, index, t));
+            match hit {
+                Some(color) => sum += color,
+                None => unseen += 1,
+            }
         }
-        let pixel = resolve(sum, samples);
+        let pixel = resolve(sum + backdrop * unseen as f32, samples);
         rgba.extend_from_slice(bytemuck::bytes_of(&pixel));
     });
     Image { width: region.width, height: region.height, rgba }
@@ -100,7 +106,7 @@ pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
     let mut buffer = GBuffer::with_capacity(region.width, region.height);
     for_each_pixel(view, |x, y| {
         let ray = grid.ray(grid.plane(x + 0.5, y + 0.5));
-        buffer.push(shader.facts(&ray, shader.seen(&ray, reference.nearest(&ray))));
+        buffer.push(shader.facts(&ray, reference.nearest(&ray)));
     });
     buffer
 }

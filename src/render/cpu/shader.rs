@@ -8,17 +8,6 @@ use crate::render::solids::Solids;
 use crate::scene::Ray;
 use glam::{Affine3A, Vec3, Vec4};
 
-/// What a ray sees first.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Seen {
-    /// Primitive and depth.
-    Primitive(u32, f32),
-    /// The ground, at this depth.
-    Ground(f32),
-    /// Nothing.
-    Nothing,
-}
-
 /// What shading a sample needs.
 pub(super) struct Shader<'a> {
     pub(super) frame: &'a FrameConstants,
@@ -32,16 +21,7 @@ impl<'a> Shader<'a> {
         Shader { frame, solids, ground_map, world_from_view: frame.world_from_view() }
     }
 
-    /// What is seen, given the nearest primitive (or none) and its depth.
-    pub(super) fn seen(&self, ray: &Ray, nearest: Option<(u32, f32)>) -> Seen {
-        let ground = self.ground_depth(ray);
-        match nearest {
-            Some((index, t)) if t <= ground => Seen::Primitive(index, t),
-            _ if ground.is_finite() => Seen::Ground(ground),
-            _ => Seen::Nothing,
-        }
-    }
-
+    /// Depth at which a ray meets the ground, infinity if it does not.
     fn ground_depth(&self, ray: &Ray) -> f32 {
         if !self.frame.has_ground() {
             return f32::INFINITY;
@@ -66,34 +46,39 @@ impl<'a> Shader<'a> {
         Surface { depth: t, normal, albedo: color.to_linear().into() }
     }
 
-    /// Premultiplied linear colour and alpha of what is seen.
-    pub(super) fn shade(&self, ray: &Ray, seen: Seen) -> Vec4 {
-        match seen {
-            Seen::Primitive(index, t) => {
-                let surface = self.surface(ray, index, t);
-                Vec4::from((shade_surface(self.frame, &surface, ray.direction), 1.0))
-            }
-            Seen::Ground(t) => {
-                let point = self.world_from_view.transform_point3(ray.origin + ray.direction * t);
-                let [visible, open] = self.ground_map.at(self.frame, point);
-                shade_ground(self.frame, point, visible, open)
-            }
-            Seen::Nothing => shade_background(self.frame),
+    /// Linear colour of a primitive's hit; `None` if the ground is nearer.
+    pub(super) fn primitive(&self, ray: &Ray, index: u32, t: f32) -> Option<Vec4> {
+        if t > self.ground_depth(ray) {
+            return None;
         }
+        let surface = self.surface(ray, index, t);
+        Some(Vec4::from((shade_surface(self.frame, &surface, ray.direction), 1.0)))
     }
 
-    /// Id, depth and normal of what is seen.
-    pub(super) fn facts(&self, ray: &Ray, seen: Seen) -> (u32, f32, [f32; 3]) {
-        match seen {
-            Seen::Primitive(index, t) => {
+    /// Premultiplied linear colour and alpha behind the primitives, ground or background. It is smooth, so it is found
+    /// once a pixel, at its centre, and serves all samples that see no primitive.
+    pub(super) fn backdrop(&self, center_ray: &Ray) -> Vec4 {
+        let t = self.ground_depth(center_ray);
+        if !t.is_finite() {
+            return shade_background(self.frame);
+        }
+        let point = self.world_from_view.transform_point3(center_ray.origin + center_ray.direction * t);
+        let [visible, open] = self.ground_map.at(self.frame, point);
+        shade_ground(self.frame, point, visible, open)
+    }
+
+    /// Id, depth and normal of what is seen, given the nearest primitive and its depth.
+    pub(super) fn facts(&self, ray: &Ray, nearest: Option<(u32, f32)>) -> (u32, f32, [f32; 3]) {
+        let ground = self.ground_depth(ray);
+        match nearest {
+            Some((index, t)) if t <= ground => {
                 (self.solids.id(index as usize), t, self.surface(ray, index, t).normal.to_array())
             }
-            Seen::Ground(t) => {
+            _ if ground.is_finite() => {
                 let up = Vec3::new(self.frame.up[0], self.frame.up[1], self.frame.up[2]);
-                (GBuffer::GROUND, t, up.to_array())
+                (GBuffer::GROUND, ground, up.to_array())
             }
-            Seen::Nothing => (GBuffer::BACKGROUND, f32::INFINITY, [0.0; 3]),
+            _ => (GBuffer::BACKGROUND, f32::INFINITY, [0.0; 3]),
         }
     }
 }
-
