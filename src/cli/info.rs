@@ -128,9 +128,8 @@ fn summary(path: &Path, document: &Document, structure: &Structure, bonds: &[Bon
         counts[usize::from(element.z())] += 1;
     }
     let present = (0u8..=Element::MAX_Z).filter(|&z| counts[usize::from(z)] > 0);
-    let elements: BTreeMap<&'static str, usize> = present
-        .map(|z| (Element::from_z(z).unwrap_or(Element::DUMMY).symbol(), counts[usize::from(z)]))
-        .collect();
+    let elements: BTreeMap<&'static str, usize> =
+        present.map(|z| (Element::from_z(z).unwrap_or(Element::DUMMY).symbol(), counts[usize::from(z)])).collect();
     let [single, double, triple, aromatic] = count_orders(bonds);
     let residues: HashSet<_> =
         structure.residues().iter().map(|r| (r.chain, r.number, r.insertion_code, r.name)).collect();

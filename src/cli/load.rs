@@ -38,7 +38,9 @@ pub(super) fn load_for_picture(
     let document = read(path, report)?;
     let select = match select {
         // One thing is drawn unless something is said.
-        SelectArgs { frame: None, record: None } => &SelectArgs { frame: Some(std::num::NonZeroU32::MIN), record: None },
+        SelectArgs { frame: None, record: None } => {
+            &SelectArgs { frame: Some(std::num::NonZeroU32::MIN), record: None }
+        }
         select => select,
     };
     let mut structures = pick(document, select)?;
@@ -147,7 +149,9 @@ mod tests {
     #[test]
     fn what_is_not_there_is_said_with_how_many_there_are() {
         assert!(picked(None, Some(4)).unwrap_err().to_string().contains("frame 4 is asked for, but there are only 3"));
-        assert!(picked(Some("3"), None).unwrap_err().to_string().contains("record 3 is asked for, but there are only 2"));
+        assert!(
+            picked(Some("3"), None).unwrap_err().to_string().contains("record 3 is asked for, but there are only 2")
+        );
         assert!(picked(Some("all"), Some(2)).is_err());
     }
 

@@ -51,7 +51,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     match done {
         Ok(()) => report.finish(),
         Err(message) => {
-            report.fail_with(&format!("{message}\nSee ballstick --help."));
+            report.fail_with(&message);
+            report.line("Usage: ballstick --help");
             report.finish();
             USAGE
         }

@@ -167,12 +167,7 @@ fn one_picture(
 }
 
 /// What is needed to make the picture again. No dates: the same command gives the same bytes.
-fn metadata(
-    args: &RenderArgs,
-    inputs: &[&PathBuf],
-    structures: &[Structure],
-    renderer: &str,
-) -> Vec<(String, String)> {
+fn metadata(args: &RenderArgs, inputs: &[&PathBuf], structures: &[Structure], renderer: &str) -> Vec<(String, String)> {
     let mut texts = vec![("Software".to_owned(), concat!("ballstick ", env!("CARGO_PKG_VERSION")).to_owned())];
     let title = structures.first().map_or("", Structure::title);
     if !title.is_empty() {

@@ -61,7 +61,8 @@ impl Report {
             return;
         }
         let bar = ProgressBar::with_draw_target(Some(total as u64), ProgressDrawTarget::hidden());
-        let template = if total > 1 { "{spinner} {wide_bar} {pos}/{len} {eta} {msg}" } else { "{spinner} {elapsed} {msg}" };
+        let template =
+            if total > 1 { "{spinner} {wide_bar} {pos}/{len} {eta} {msg}" } else { "{spinner} {elapsed} {msg}" };
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
@@ -92,7 +93,7 @@ impl Report {
 
     fn clear(&mut self) {
         if let Some((bar, stop)) = self.bar.take() {
-            drop(stop.send(())); // an error says that the thread has shown the bar and ended
+            drop(stop); // wakes the thread, if it still waits
             bar.finish_and_clear();
         }
     }

@@ -333,10 +333,7 @@ mod tests {
     fn records_altlocs_backgrounds() {
         let one = NonZeroU32::MIN;
         check(&[("1", RecordChoice::Number(one)), ("ALL", RecordChoice::All)], &["", "0", "-1", "some"]);
-        check(
-            &[("highest", Altloc::Highest), ("all", Altloc::All), ("B", Altloc::Code(b'B'))],
-            &["", "AB", " ", "é"],
-        );
+        check(&[("highest", Altloc::Highest), ("all", Altloc::All), ("B", Altloc::Code(b'B'))], &["", "AB", " ", "é"]);
         check(
             &[("transparent", Backdrop(None)), ("#102030", Backdrop(Some(Srgb8::rgb(16, 32, 48))))],
             &["", "whit", "#10203040"],
