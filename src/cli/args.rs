@@ -73,14 +73,16 @@ Examples:
   curl … | ballstick render - -o - > fig.png
 
 Channels (--channel) as 16-bit PNG, or as plain numbers in NPY (-o depth.npy):
-  depth   grey, linear from 65535 at the text chunk near_angstrom to 1 at far_angstrom, 0 is the background;
-          NPY: f4 in ångström, inf is the background
-  normal  RGB of n*0.5+0.5 in view space (x right, y up, z to the viewer), 0,0,0 is the background; NPY: f4 (h,w,3)
-  id      R = id >> 16, G = id & 65535; 0 background, 1 + atom index, 1 + number of atoms + bond index, 4294967295
-          ground; NPY: u4
+  depth   PNG: grey, linear from 65535 at the text chunk near_angstrom to 1 at far_angstrom;
+          0 is the background. NPY: f4 (h,w) in ångström; inf is the background
+  normal  in view space: x right, y up, z to the viewer. PNG: RGB of n*0.5+0.5; 0,0,0 is the
+          background. NPY: f4 (h,w,3)
+  id      0 background, 1 + atom index, 1 + number of atoms + bond index, 4294967295 ground.
+          PNG: R = id >> 16, G = id & 65535, B = 0. NPY: u4 (h,w)
 
-Timings (--timings): one JSON object a picture on standard error: seconds for read, bonds, scene, render, encode and
-total, peak_memory in bytes (null where the system does not tell), atom_count, bond_count, renderer, output.")]
+Timings (--timings), one JSON object a picture: seconds for read, bonds, scene, render, encode
+and total; peak_memory in bytes (null where the system does not tell); atom_count, bond_count,
+renderer and output.")]
 pub struct RenderArgs {
     /// Molecule files; - is standard input
     #[arg(value_name = "FILE", required = true)]
@@ -98,7 +100,7 @@ pub struct RenderArgs {
     /// Draw only this part of the full picture, in pixels from its upper left corner
     #[arg(long, value_name = "X,Y,W,H", help_heading = "Picture")]
     pub region: Option<Region>,
-    /// Effort: 4, 16 or 64 samples a pixel, and shadows to match
+    /// Effort, and shadows to match
     #[arg(long, value_name = "LEVEL", default_value = "standard", help_heading = "Picture")]
     pub quality: QualityArg,
     /// Samples a pixel, 1 to 4096, in place of what the quality says
@@ -152,7 +154,7 @@ pub struct LookArgs {
     /// Look down the lattice direction [uvw], which points to the viewer: 111, 1-10 or 1,-1,0; needs a unit cell
     #[arg(long, value_name = "UVW", allow_hyphen_values = true, help_heading = "Look")]
     pub axis: Option<Axis>,
-    /// Alternate locations drawn: highest (occupancy), all, or one letter
+    /// Alternate locations drawn: highest (occupancy), all, or one letter such as B
     #[arg(long, value_name = "WHICH", default_value = "highest", help_heading = "Molecule")]
     pub altloc: Altloc,
 }
@@ -174,8 +176,7 @@ impl LookArgs {
 /// Where bonds come from.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct BondArgs {
-    /// Bonds: auto (the file's, then the residue dictionary's, then by distance), file (nothing else), perceive
-    /// (by distance alone), none
+    /// Where bonds come from
     #[arg(long, value_name = "FROM", default_value = "auto", help_heading = "Molecule")]
     pub bonds: BondsArg,
 }
@@ -194,7 +195,7 @@ pub struct SelectArgs {
 /// Who draws.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct RendererArgs {
-    /// Who draws: auto prefers a real GPU, and our own CPU renderer to a software one
+    /// Who draws
     #[arg(long, value_name = "WHO", default_value = "auto", help_heading = "Running")]
     pub renderer: RendererArg,
 }
@@ -259,11 +260,11 @@ pub enum StyleArg {
 /// `--color-by`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ColorByArg {
-    /// Element
+    /// Which element it is, in the usual colours
     Element,
-    /// Chain
+    /// Which chain it belongs to
     Chain,
-    /// Name of the residue
+    /// What its residue is called
     Residue,
 }
 
@@ -294,11 +295,11 @@ pub enum BondsArg {
 pub enum Channel {
     /// The picture
     Color,
-    /// Normals
+    /// Which way the surface faces
     Normal,
-    /// Depth
+    /// How far away it is
     Depth,
-    /// Which atom or bond
+    /// Which atom or bond it is
     Id,
 }
 
@@ -316,11 +317,11 @@ pub enum QualityArg {
 /// `--renderer`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum RendererArg {
-    /// The faster one
+    /// A real GPU if there is one, else the CPU
     Auto,
-    /// Our own, on all cores
+    /// All cores of the CPU
     Cpu,
-    /// A graphics device
+    /// A graphics device, or an error
     Gpu,
 }
 

@@ -17,10 +17,9 @@ pub(super) fn run(args: &ConvertArgs, report: &mut Report) -> Result<(), String>
     };
     let format = format.map_err(|error| error.to_string())?;
     report.start(1);
-    if let Err(error) = super::guarded(|| convert(args, format, report)) {
-        if !atomic::is_broken_pipe(&error) {
-            report.fail(&args.input, &error);
-        }
+    match super::guarded(|| convert(args, format, report)) {
+        Err(error) if !atomic::is_broken_pipe(&error) => report.fail(&args.input, &error),
+        _ => {}
     }
     Ok(())
 }

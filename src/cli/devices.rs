@@ -28,10 +28,11 @@ pub(super) fn run(devices: &Devices, report: &Report) {
     let text = describe(devices);
     let mut out = std::io::stdout().lock();
     let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-    if let Err(error) = written {
-        if error.kind() != std::io::ErrorKind::BrokenPipe {
+    match written {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             report.fail_with(&format!("cannot write -: {error}"));
         }
+        _ => {}
     }
     if let Err(message) = &devices.choice {
         report.fail_with(message);

@@ -74,11 +74,11 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
         let name = format.extensions()[0];
         report.warn(&args.output, &format!("{name} cannot be transparent; the background is white"));
     }
-    if let Some(folder) = new_folder {
-        if let Err(source) = std::fs::create_dir_all(&folder) {
-            report.fail(&folder.clone(), &Error::Io { action: "make the folder", path: folder, source });
-            return Ok(());
-        }
+    if let Some(folder) = new_folder
+        && let Err(source) = std::fs::create_dir_all(&folder)
+    {
+        report.fail(&folder.clone(), &Error::Io { action: "make the folder", path: folder, source });
+        return Ok(());
     }
     for clash in clashes {
         report.fail_with(&format!(

@@ -139,7 +139,7 @@ impl Content<'_> {
         let (width, height) = self.size();
         let pixels = (width as usize).checked_mul(height as usize);
         let found = match self {
-            Content::Color(image) if image.rgba.len() % 4 == 0 => image.rgba.len() / 4,
+            Content::Color(image) if image.rgba.len().is_multiple_of(4) => image.rgba.len() / 4,
             Content::Color(_) => return false,
             Content::Depth(buffer) => buffer.depth.len(),
             Content::Normal(buffer) => buffer.normal.len(),
