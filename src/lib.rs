@@ -1,5 +1,7 @@
 //! ballstick (crate docs follow)
 
+#[cfg(feature = "window")]
+pub mod app;
 pub mod bonds;
 pub mod cli;
 pub mod color;

@@ -30,15 +30,15 @@ pub(super) fn find(structure: &Structure, positions: &[Vec3], stated: &[Bond], o
     let grid = Grid::new(positions, elements, &table, takes_part);
     let found = grid.pairs(|a, b, distance| {
         let (element_a, element_b) = (elements[a as usize], elements[b as usize]);
-        if rules::is_too_near(element_a, element_b, distance) || !sites.may_bond(a as usize, b as usize) {
+        if rules::is_too_near(distance) || !sites.may_bond(a as usize, b as usize) {
             return None;
         }
         Some(Contact { a, b, excess: distance - rules::radii(element_a, element_b), state: State::Open })
     });
     let stated: Vec<Bond> = stated.iter().copied().filter(|bond| bond.kind != BondKind::Hydrogen).collect();
     let mut contacts = Contacts::new(elements, &stated, found);
-    hydrogen::settle(&mut contacts, elements);
-    valence::settle(&mut contacts, elements, positions);
+    hydrogen::settle(&mut contacts, elements, &sites);
+    valence::settle(&mut contacts, elements, positions, &sites);
     metal::settle(&mut contacts, elements, &sites);
     bonds(&contacts, elements, &sites)
 }

@@ -25,6 +25,8 @@ const MOST_CELLS: f32 = ((1u32 << AXIS_BITS) - 4) as f32;
 const FEW_METALS: usize = 8;
 /// Cells in one piece of work.
 const CELLS_PER_TASK: usize = 16_384;
+/// Distances computed at once.
+const LANES: usize = 8;
 /// The rows ahead of a cell, as steps in y and z.
 const ROWS_AHEAD: [(i64, i64); 4] = [(1, 0), (-1, 1), (0, 1), (1, 1)];
 
@@ -41,6 +43,32 @@ struct Cell {
     key: u64,
     start: u32,
     end: u32,
+}
+
+/// The atoms near a cell, coordinate by coordinate.
+#[derive(Default)]
+struct Near {
+    x: Vec<f32>,
+    y: Vec<f32>,
+    z: Vec<f32>,
+    slot: Vec<u32>,
+}
+
+impl Near {
+    fn clear(&mut self) {
+        self.x.clear();
+        self.y.clear();
+        self.z.clear();
+        self.slot.clear();
+    }
+
+    /// Fills the last block with points that are near nothing.
+    fn pad(&mut self) {
+        let length = self.slot.len().next_multiple_of(LANES);
+        self.x.resize(length, f32::INFINITY);
+        self.y.resize(length, f32::INFINITY);
+        self.z.resize(length, f32::INFINITY);
+    }
 }
 
 /// Atoms sorted by cell.
@@ -163,56 +191,72 @@ impl<'a> Grid<'a> {
             let low = self.cells.get(first).map_or(0, |cell| shifted(cell.key, dy, dz));
             self.cells.partition_point(|cell| cell.key < low)
         });
+        let mut near = Near::default();
         for (at, cell) in self.cells.iter().enumerate().take(last).skip(first) {
-            for i in cell.start..cell.end {
-                self.meet(i, i + 1..cell.end, make, out);
-            }
+            near.clear();
+            self.gather(cell, &mut near);
             if let Some(next) = self.cells.get(at + 1).filter(|next| next.key == cell.key + 1) {
-                self.meet_all(cell, next.start..next.end, make, out);
+                self.gather(next, &mut near);
             }
             for (finger, (dy, dz)) in fingers.iter_mut().zip(ROWS_AHEAD) {
                 let low = shifted(cell.key, dy, dz);
                 while self.cells.get(*finger).is_some_and(|ahead| ahead.key < low) {
                     *finger += 1;
                 }
-                let ahead = &self.cells[*finger..];
-                for partner in ahead.iter().take(3).take_while(|partner| partner.key <= low + 2) {
-                    self.meet_all(cell, partner.start..partner.end, make, out);
+                for partner in self.cells[*finger..].iter().take(3).take_while(|partner| partner.key <= low + 2) {
+                    self.gather(partner, &mut near);
                 }
             }
+            self.meet(cell, &mut near, make, out);
         }
     }
 
-    fn meet_all<T>(
-        &self,
-        cell: &Cell,
-        partners: std::ops::Range<u32>,
-        make: &impl Fn(u32, u32, f32) -> Option<T>,
-        out: &mut Vec<T>,
-    ) {
-        for i in cell.start..cell.end {
-            self.meet(i, partners.clone(), make, out);
+    /// Adds the atoms of a cell to those that are near.
+    fn gather(&self, cell: &Cell, near: &mut Near) {
+        for i in cell.start as usize..cell.end as usize {
+            let position = self.slots[i].position;
+            near.x.push(position.x);
+            near.y.push(position.y);
+            near.z.push(position.z);
+            near.slot.push(i as u32);
         }
     }
 
-    /// Pairs of one slot with a run of others.
-    fn meet<T>(
-        &self,
-        i: u32,
-        partners: std::ops::Range<u32>,
-        make: &impl Fn(u32, u32, f32) -> Option<T>,
-        out: &mut Vec<T>,
-    ) {
-        let (slot, species) = (self.slots[i as usize], self.species[i as usize]);
-        if self.metals_apart && self.table.is_metal(species) {
-            return;
-        }
-        let row = self.table.row(species);
-        let partners = partners.start as usize..partners.end as usize;
-        for (other, &species) in self.slots[partners.clone()].iter().zip(&self.species[partners]) {
-            let squared = slot.position.distance_squared(other.position);
-            if squared <= row[usize::from(species)] && !(self.metals_apart && self.table.is_metal(species)) {
-                out.extend(make(slot.atom.min(other.atom), slot.atom.max(other.atom), squared.sqrt()));
+    /// Pairs of the atoms of a cell, which are the first of those that are near, with all of these.
+    fn meet<T>(&self, cell: &Cell, near: &mut Near, make: &impl Fn(u32, u32, f32) -> Option<T>, out: &mut Vec<T>) {
+        near.pad();
+        for (first, i) in (cell.start as usize..cell.end as usize).enumerate() {
+            let (slot, species) = (self.slots[i], self.species[i]);
+            if self.metals_apart && self.table.is_metal(species) {
+                continue;
+            }
+            let row = self.table.row(species);
+            let reach_squared = self.table.reach(species).powi(2) * 1.000_01;
+            let block = first / LANES;
+            let blocks = near.x.chunks_exact(LANES).zip(near.y.chunks_exact(LANES)).zip(near.z.chunks_exact(LANES));
+            for (block, ((x, y), z)) in blocks.enumerate().skip(block) {
+                // All lanes at once: the compiler makes vector instructions of this.
+                let mut squared = [0.0f32; LANES];
+                let mut hits = 0u32;
+                for lane in 0..LANES {
+                    let (dx, dy, dz) =
+                        (x[lane] - slot.position.x, y[lane] - slot.position.y, z[lane] - slot.position.z);
+                    squared[lane] = dx * dx + dy * dy + dz * dz;
+                    hits |= u32::from(squared[lane] <= reach_squared) << lane;
+                }
+                while hits != 0 {
+                    let lane = hits.trailing_zeros() as usize;
+                    hits &= hits - 1;
+                    let at = block * LANES + lane;
+                    if at <= first {
+                        continue; // the atom itself, or a pair of the own cell that has been
+                    }
+                    let j = near.slot[at] as usize;
+                    let (other, kind) = (self.slots[j].atom, self.species[j]);
+                    if squared[lane] <= row[usize::from(kind)] && !(self.metals_apart && self.table.is_metal(kind)) {
+                        out.extend(make(slot.atom.min(other), slot.atom.max(other), squared[lane].sqrt()));
+                    }
+                }
             }
         }
     }

@@ -5,16 +5,17 @@
 //! bridges have none of their own: diborane has eight bonds.
 
 use super::contacts::{Contacts, State};
+use super::sites::Sites;
 use crate::element::Element;
 
 /// Leaves every hydrogen the bonds it has.
-pub(super) fn settle(contacts: &mut Contacts, elements: &[Element]) {
+pub(super) fn settle(contacts: &mut Contacts, elements: &[Element], sites: &Sites<'_>) {
     let hydrogens: Vec<usize> = (0..contacts.atom_count())
         .filter(|&atom| elements[atom] == Element::H && !contacts.numbers(atom).is_empty())
         .collect();
     let mut lost = Vec::new();
     for &atom in hydrogens.iter().filter(|&&atom| contacts.numbers(atom).len() > 1) {
-        lose_to_nonmetals(contacts, elements, atom, &mut lost);
+        lose_to_nonmetals(contacts, elements, sites, atom, &mut lost);
     }
     contacts.drop_all(lost);
     pair_up(contacts, elements, &hydrogens);
@@ -35,25 +36,24 @@ pub(super) fn settle(contacts: &mut Contacts, elements: &[Element]) {
 }
 
 /// Lists what a hydrogen with a stated bond or a nonmetal in range loses: all but the best of these.
-fn lose_to_nonmetals(contacts: &Contacts, elements: &[Element], atom: usize, lost: &mut Vec<u32>) {
+fn lose_to_nonmetals(contacts: &Contacts, elements: &[Element], sites: &Sites<'_>, atom: usize, lost: &mut Vec<u32>) {
     let is_stated = contacts.of(atom).any(|(_, contact, _)| contact.state == State::Stated);
     let heavy = |other: usize| !elements[other].is_metal() && elements[other] != Element::H;
     let mut best: Vec<_> = contacts
         .of(atom)
         .filter(|&(_, contact, other)| if is_stated { contact.state == State::Stated } else { heavy(other) })
-        .map(|(number, contact, other)| (contact.rank(), number, elements[other]))
+        .map(|(number, contact, other)| (contact.rank(), number, other))
         .collect();
     if best.is_empty() {
         return;
     }
     best.sort_unstable_by_key(|&(rank, ..)| rank);
     if !is_stated {
-        let is_bridge = best[0].2 == Element::B;
-        // Of a bridge the two nearest borons stay; nothing else has two.
-        let second =
-            if is_bridge { best[1..].iter().find(|&&(_, _, element)| element == Element::B).copied() } else { None };
-        best.truncate(1);
-        best.extend(second);
+        // Of a bridge the two nearest borons stay. Nothing else has two, but for alternate locations of the partner.
+        let first = best[0].2;
+        let is_boron = |other: usize| elements[other] == Element::B;
+        let bridged = best[1..].iter().map(|&(_, _, other)| other).find(|&other| is_boron(first) && is_boron(other));
+        best.retain(|&(_, _, other)| other == first || Some(other) == bridged || sites.are_alternatives(first, other));
     }
     let kept = |number: u32| best.iter().any(|&(_, kept, _)| kept == number);
     lost.extend(contacts.of(atom).filter(|&(number, ..)| !kept(number)).map(|(number, ..)| number));

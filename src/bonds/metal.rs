@@ -82,7 +82,7 @@ fn is_donor(
         return false;
     }
     let partners = || contacts.of(atom).map(|(_, _, other)| other).filter(|&other| !elements[other].is_metal());
-    if rules::is_saturated(element, partners().count())
+    if rules::is_saturated(element, sites.most_at_once(partners()))
         || (element.is_halogen() && partners().any(|other| elements[other] == Element::C))
     {
         return false;

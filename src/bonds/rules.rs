@@ -6,17 +6,15 @@
 use super::BondOptions;
 use crate::element::Element;
 
-/// Nearer than this are two images of one atom, never a bond: Open Babel and Jmol use the same 0.4 Å; the
-/// shortest bond there is, H–H, has 0.74 Å.
+/// Nearer than this are two images of one atom, never a bond: Open Babel and Jmol use the same 0.4 Å. The shortest bond
+/// there is, H–H, has 0.74 Å, but side chains built without density (PDB entry 4HHB) have C–C from 0.58 Å.
 const SHORTEST_BOND: f32 = 0.4;
-/// The same relative to the covalent radii. The shortest real ratios are those of V₂ (1.77 Å, 0.58) and Cr₂
-/// (1.68 Å, 0.60); unlabelled disorder lies below.
-const SHORTEST_RATIO: f32 = 0.5;
 /// Longest H–H bond: free H₂ has 0.741 Å (Huber and Herzberg 1979), H₂ as a ligand up to 0.9 Å (Kubas, Chem. Rev.
 /// 2007, 107, 4152); hydrogens of one methyl group are 1.78 Å apart.
 const LONGEST_H2: f32 = 0.9;
-/// Metal–metal: for groups 3–11 and the f block. Gold has 2.88 Å, an excess of 0.16 Å; the next shell starts at 4.08 Å.
-const TRANSITION_METAL_TOLERANCE: f32 = 0.3;
+/// Metal–metal: for groups 3–11 and the f block. Gold has 2.88 Å in the metal, an excess of 0.16 Å, and up to 3.13 Å on
+/// the surface of thiolate clusters (0.41 Å); its next shell starts at 4.08 Å.
+const TRANSITION_METAL_TOLERANCE: f32 = 0.45;
 /// Metal–metal: groups 1, 2 and 12–16. Lead has 3.50 Å (a = 4.951 Å), an excess of 0.58 Å, the largest of the
 /// close-packed metals (aluminium 0.44 Å, potassium 0.48 Å).
 const MAIN_GROUP_METAL_TOLERANCE: f32 = 0.6;
@@ -62,9 +60,9 @@ fn longest(a: Element, b: Element, options: &BondOptions) -> Option<f32> {
     (longest > SHORTEST_BOND).then_some(longest)
 }
 
-/// Whether two atoms of these elements are too near to be bonded.
-pub(super) fn is_too_near(a: Element, b: Element, distance: f32) -> bool {
-    distance < SHORTEST_BOND.max(SHORTEST_RATIO * radii(a, b))
+/// Whether two atoms are too near to be bonded.
+pub(super) fn is_too_near(distance: f32) -> bool {
+    distance < SHORTEST_BOND
 }
 
 /// How many covalent partners a nonmetal takes, metals not counted; `None` for no limit. The numbers are those of real
@@ -100,6 +98,8 @@ pub(super) struct PairTable {
     count: usize,
     /// Square of the longest bond of two species, −1 where there is none; `count × count`.
     longest_squared: Vec<f32>,
+    /// The longest bond of each species with any, 0 for none.
+    reach: Vec<f32>,
     metal: Vec<bool>,
 }
 
@@ -119,9 +119,13 @@ impl PairTable {
             }
         }
         let limit = |a, b| longest(a, b, options).map_or(-1.0, |d| d * d);
-        let longest_squared = present.iter().flat_map(|&a| present.iter().map(move |&b| limit(a, b))).collect();
+        let longest_squared: Vec<f32> =
+            present.iter().flat_map(|&a| present.iter().map(move |&b| limit(a, b))).collect();
         let metal = present.iter().map(|element| element.is_metal()).collect();
-        PairTable { species_of_z, count: present.len(), longest_squared, metal }
+        let reach = (longest_squared.chunks(present.len().max(1)))
+            .map(|row| row.iter().fold(0.0f32, |longest, &squared| longest.max(squared)).sqrt())
+            .collect();
+        PairTable { species_of_z, count: present.len(), longest_squared, reach, metal }
     }
 
     /// The species number of an element of the structure.
@@ -135,9 +139,9 @@ impl PairTable {
         &self.longest_squared[start..start + self.count]
     }
 
-    /// The longest bond of a species with any.
+    /// The longest bond of a species with any, 0 for none.
     pub(super) fn reach(&self, species: u8) -> f32 {
-        self.row(species).iter().fold(0.0f32, |longest, &squared| longest.max(squared)).sqrt()
+        self.reach[usize::from(species)]
     }
 
     /// Whether a species is a metal.
@@ -198,7 +202,7 @@ mod tests {
         let (h, o, fe) = (table.species(elements[1]), table.species(elements[0]), table.species(elements[2]));
         assert_eq!(table.row(h)[usize::from(h)], LONGEST_H2 * LONGEST_H2);
         assert!((table.longest(false) - 1.77).abs() < 1e-5); // O–O
-        assert!((table.longest(true) - 3.34).abs() < 1e-5); // Fe–Fe
+        assert!((table.longest(true) - 3.49).abs() < 1e-5); // Fe–Fe
         assert_eq!(table.reach(fe), table.longest(true));
         assert_eq!([h, o, fe].map(|species| table.is_metal(species)), [false, false, true]);
     }

@@ -40,13 +40,30 @@ impl<'a> Sites<'a> {
         self.roles.get(atom).copied().unwrap_or(Role::Plain)
     }
 
+    /// Whether two atoms are alternatives: in different alternate locations, so that never both are there.
+    pub(super) fn are_alternatives(&self, a: usize, b: usize) -> bool {
+        if !self.has_altlocs {
+            return false;
+        }
+        let (code_a, code_b) = (self.structure.altloc(a), self.structure.altloc(b));
+        code_a != code_b && code_a != b' ' && code_b != b' '
+    }
+
+    /// How many of these atoms are there at once: those without an alternate location and those of the fullest one.
+    pub(super) fn most_at_once(&self, atoms: impl Iterator<Item = usize> + Clone) -> usize {
+        if !self.has_altlocs {
+            return atoms.count();
+        }
+        let codes = atoms.map(|atom| self.structure.altloc(atom));
+        let of_code = |wanted: u8| codes.clone().filter(|&code| code == wanted).count();
+        let fullest = codes.clone().filter(|&code| code != b' ').map(of_code).max();
+        of_code(b' ') + fullest.unwrap_or(0)
+    }
+
     /// Whether two atoms may bond as far as residues and alternate locations go.
     pub(super) fn may_bond(&self, a: usize, b: usize) -> bool {
-        if self.has_altlocs {
-            let (code_a, code_b) = (self.structure.altloc(a), self.structure.altloc(b));
-            if code_a != code_b && code_a != b' ' && code_b != b' ' {
-                return false;
-            }
+        if self.are_alternatives(a, b) {
+            return false;
         }
         if self.roles.is_empty() {
             return true;

@@ -302,6 +302,23 @@ fn alternate_locations_never_bond_to_each_other() {
 }
 
 #[test]
+fn an_atom_bonds_to_every_alternate_location_of_its_partner() {
+    // A peptide nitrogen after a residue of two conformers, whose carbons are 0.2 Å apart; both CA, and a carbon with
+    // five partners of which four are there at once.
+    let atoms = [
+        ("N", [0.0; 3], "LEU", 2, b' '),
+        ("C", [1.33, 0.1, 0.0], "GLU", 1, b'A'),
+        ("C", [1.33, -0.1, 0.0], "GLU", 1, b'B'),
+        ("C", [-0.7, 1.2, 0.0], "LEU", 2, b' '),
+        ("C", [-0.7, 2.0, 1.2], "LEU", 2, b' '),
+        ("O", [-1.9, 1.6, -0.6], "LEU", 2, b' '),
+        ("C", [0.5, 2.0, -0.9], "LEU", 2, b'A'),
+        ("C", [0.6, 2.1, -0.8], "LEU", 2, b'B'),
+    ];
+    assert_eq!(pairs(&residues(&atoms)), [(0, 1), (0, 2), (0, 3), (3, 4), (3, 5), (3, 6), (3, 7)]);
+}
+
+#[test]
 fn particles_and_dummies_are_never_bonded() {
     let mut builder = StructureBuilder::new();
     push(&mut builder, "C", [0.0; 3], AtomRecord::default());
@@ -401,7 +418,7 @@ fn the_order_of_the_atoms_and_a_turn_change_nothing() {
     let count = sites.len();
     let expected = pairs_of(&sites);
     let order: Vec<usize> = (0..count).map(|i| i * 7 % count).collect();
-    assert!(count % 7 != 0);
+    assert!(!count.is_multiple_of(7));
     let (sin, cos) = 0.7f64.sin_cos();
     let turned = |[x, y, z]: [f64; 3]| [x * cos - y * sin + 3.0, z - 40.0, -(x * sin + y * cos)];
     let shuffled: Vec<Site> = order.iter().map(|&i| (sites[i].0, turned(sites[i].1))).collect();

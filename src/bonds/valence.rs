@@ -6,8 +6,10 @@
 
 use super::contacts::{Contact, Contacts, State};
 use super::rules;
+use super::sites::Sites;
 use crate::element::Element;
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// Cosine of the narrowest angle between two bonds of a nonmetal, 38°. Open Babel's 45° would open the rings of thiirene
 /// (C–S–C 40.6° by its lengths 1.27 and 1.83 Å) and tellurirane (41°).
@@ -22,15 +24,13 @@ const DIAGONAL_EXCESS: f32 = 0.2;
 const ALL_FIT: u8 = u8::MAX;
 
 /// Drops what the nonmetals cannot hold.
-pub(super) fn settle(contacts: &mut Contacts, elements: &[Element], positions: &[Vec3]) {
+pub(super) fn settle(contacts: &mut Contacts, elements: &[Element], positions: &[Vec3], sites: &Sites<'_>) {
     drop_diagonals(contacts, elements);
-    let caps: Vec<u8> = (0..contacts.atom_count())
-        .map(
-            |atom| {
-                if is_overfull(contacts, elements, positions, atom) { cap(contacts, elements, atom) } else { ALL_FIT }
-            },
-        )
-        .collect();
+    let cap_of = |atom: usize| {
+        let is_overfull = is_overfull(contacts, elements, positions, sites, atom);
+        if is_overfull { cap(contacts, elements, atom) } else { ALL_FIT }
+    };
+    let caps: Vec<u8> = (0..contacts.atom_count()).into_par_iter().with_min_len(16_384).map(cap_of).collect();
     // An atom that can hold all its contacts never refuses one: only those of the others are weighed.
     let is_weighed = |contact: &Contact| {
         contact.state != State::Dropped
@@ -46,11 +46,19 @@ pub(super) fn settle(contacts: &mut Contacts, elements: &[Element], positions: &
     for (_, number) in weighed {
         let contact = contacts.list()[number as usize];
         let fits = |atom: usize| {
-            let others = || contacts.of(atom).filter(|&(other, ..)| accepted[other as usize]);
+            if caps[atom] == ALL_FIT {
+                return true;
+            }
+            let new = contact.other(atom);
+            let others = contacts
+                .of(atom)
+                .filter(|&(number, _, other)| accepted[number as usize] && !sites.are_alternatives(new, other));
+            let at_once = sites.most_at_once(others.clone().map(|(_, _, other)| other));
             let is_beside = |(_, beside, other): (u32, &Contact, usize)| {
-                beside.state == State::Open && is_narrow(positions, atom, contact.other(atom), other)
+                let here = positions[atom];
+                beside.state == State::Open && is_narrow(positions[new] - here, positions[other] - here)
             };
-            caps[atom] == ALL_FIT || (others().count() < usize::from(caps[atom]) && !others().any(is_beside))
+            at_once < usize::from(caps[atom]) && !others.clone().any(is_beside)
         };
         if contact.state == State::Stated || (fits(contact.a as usize) && fits(contact.b as usize)) {
             accepted[number as usize] = true;
@@ -93,34 +101,39 @@ fn has_bridge(contacts: &Contacts, elements: &[Element], boron: usize) -> bool {
 }
 
 /// Whether an atom has more or narrower contacts than it can hold.
-fn is_overfull(contacts: &Contacts, elements: &[Element], positions: &[Vec3], atom: usize) -> bool {
+fn is_overfull(contacts: &Contacts, elements: &[Element], positions: &[Vec3], sites: &Sites<'_>, atom: usize) -> bool {
     // Most atoms have one contact, or none.
     if contacts.numbers(atom).len() < 2 || elements[atom].is_metal() {
         return false;
     }
-    let count = partners(contacts, elements, atom).count();
-    if count > usize::from(rules::valence_cap(elements[atom]).unwrap_or(ALL_FIT))
-        && count > usize::from(cap(contacts, elements, atom))
-    {
-        return true;
+    let mut count = 0;
+    // A stated bond may be of any length and direction; it is no reason to refuse another. Eight directions are more than
+    // an atom has that is not overfull; of more, the first eight are enough to find two that are too near each other.
+    let mut near = [(Vec3::ZERO, 0); 8];
+    let mut open = 0;
+    for (_, contact, other) in contacts.of(atom).filter(|&(_, _, other)| !elements[other].is_metal()) {
+        count += 1;
+        if contact.state == State::Open && open < near.len() {
+            near[open] = (positions[other] - positions[atom], other);
+            open += 1;
+        }
     }
-    // A stated bond may be of any length and direction; it is no reason to refuse another.
-    let mut rest = contacts
-        .of(atom)
-        .filter(|(_, contact, other)| contact.state == State::Open && is_covalent(elements, atom, *other))
-        .map(|(_, _, other)| other);
-    while let Some(one) = rest.next() {
-        if rest.clone().any(|other| is_narrow(positions, atom, one, other)) {
+    if count > usize::from(rules::valence_cap(elements[atom]).unwrap_or(ALL_FIT)) {
+        let at_once = sites.most_at_once(partners(contacts, elements, atom));
+        if at_once > usize::from(cap(contacts, elements, atom)) {
             return true;
         }
     }
-    false
+    let are_narrow =
+        |one: (Vec3, usize), other: (Vec3, usize)| is_narrow(one.0, other.0) && !sites.are_alternatives(one.1, other.1);
+    (1..open).any(|i| near[..i].iter().any(|&other| are_narrow(near[i], other)))
 }
 
-/// Whether the angle `one`–`atom`–`other` is too narrow for two bonds.
-fn is_narrow(positions: &[Vec3], atom: usize, one: usize, other: usize) -> bool {
-    let (one, other) = (positions[one] - positions[atom], positions[other] - positions[atom]);
-    one.dot(other) > NARROWEST_ANGLE_COSINE * (one.length_squared() * other.length_squared()).sqrt()
+/// Whether the angle between two directions is too narrow for two bonds.
+fn is_narrow(one: Vec3, other: Vec3) -> bool {
+    let dot = one.dot(other);
+    let limit = NARROWEST_ANGLE_COSINE * NARROWEST_ANGLE_COSINE * one.length_squared() * other.length_squared();
+    dot > 0.0 && dot * dot > limit
 }
 
 /// Drops contacts across four-membered rings.

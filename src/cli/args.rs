@@ -54,9 +54,6 @@ pub struct ViewArgs {
     /// Molecule.
     #[command(flatten)]
     pub bonds: BondArgs,
-    /// Record and frame.
-    #[command(flatten)]
-    pub select: SelectArgs,
     /// Renderer.
     #[command(flatten)]
     pub renderer: RendererArgs,

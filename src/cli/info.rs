@@ -1,7 +1,8 @@
 //! `ballstick info`: what is in a file, for people or as one JSON object a line.
 //!
 //! Atoms, bonds and the rest are those of the first record as listed: its first frame, all alternate locations.
-//! `frames` counts those of all records. `bond_orders` counts covalent bonds of order 1 to 3, aromatic ones only as that.
+//! `frames` counts those of all records. `bond_orders` counts covalent bonds of order 1 to 3,
+//! aromatic ones only as that.
 
 use super::args::InfoArgs;
 use super::load::{bond_options, count_orders};

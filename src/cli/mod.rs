@@ -1,7 +1,7 @@
 //! The command line: what is typed ([`args`], [`values`]) to what is done, one module a command.
 //!
-//! Results go to standard output, everything else to standard error. Exit status: 0 done (also with warnings, and when the
-//! reader of standard output has gone), 1 some inputs failed, 2 the command line is wrong. `render` is the only module
+//! Results go to standard output, everything else to standard error. Exit status: 0 done (also with
+//! warnings, and when the reader of standard output has gone), 1 some inputs failed, 2 the command line is wrong. `render` is the only module
 //! that knows scenes and renderers.
 
 pub mod args;

@@ -53,7 +53,6 @@ pub(super) fn plan(files: &[PathBuf], output: &Path, to: Option<&str>) -> Result
     let is_folder = output.is_dir();
     if is_folder || text.ends_with(std::path::is_separator) {
         let format = to.unwrap_or(PictureFormat::Png);
-        // Not `join`: the folder's own name may hold what looks like a pattern only by accident, which is checked above.
         let pattern = output.join(format!("{STEM}.{}", format.extensions()[0]));
         let new_folder = (!is_folder).then(|| output.to_owned());
         return Ok(each(files, &pattern.to_string_lossy(), format, new_folder));

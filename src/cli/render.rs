@@ -88,8 +88,29 @@ pub(super) fn scene_options(look: &LookArgs, structures: &[Structure]) -> Result
     })
 }
 
-/// Looking along a direction with +y up, or, where that is (nearly) the direction itself, with −z up from above and +z from below, as if
-/// the viewer of the front leant over.
+/// What the window starts with. `--axis` needs the cell of the first file, which is read for it.
+#[cfg(feature = "window")]
+pub(super) fn window_options(args: &super::args::ViewArgs) -> Result<crate::app::Options> {
+    let mut structures = Vec::new();
+    match args.files.first() {
+        Some(file) if args.look.axis.is_some() && file.as_os_str() == "-" => {
+            return Err(Error::Unsupported("--axis cannot be used with standard input; use --view".to_owned()));
+        }
+        Some(file) if args.look.axis.is_some() => {
+            structures = crate::import::read_path(file, &crate::import::ImportOptions::default())?.records;
+        }
+        _ => {}
+    }
+    Ok(crate::app::Options {
+        scene: scene_options(&args.look, &structures)?,
+        settings: Settings::default(),
+        renderer: Choice::from_name(&args.renderer.renderer.name()).unwrap_or_default(),
+        bonds: super::load::bond_options(args.bonds),
+    })
+}
+
+/// Looking along a direction with +y up, or, where that is (nearly) the direction itself, with −z up from above and
+/// +z up from below, as if the viewer of the front leant over.
 fn along(Direction(direction): Direction) -> Orientation {
     let direction = DVec3::from(direction).normalize_or(DVec3::NEG_Z);
     let up = if direction.y.abs() < 0.999 { DVec3::Y } else { DVec3::Z * direction.y.signum() };

@@ -45,7 +45,8 @@ impl Report {
         self.line(&format!("ballstick: error: {message}"));
     }
 
-    /// A line as it is, but for control characters: texts from files must not steer the terminal. A standard error that is closed is no reason to stop.
+    /// A line as it is, but for control characters: texts from files must not steer the terminal.
+    /// A standard error that is closed is no reason to stop.
     pub(super) fn line(&self, text: &str) {
         let text = printable(text);
         let write = || drop(writeln!(std::io::stderr(), "{text}"));

@@ -1,14 +1,18 @@
 //! Writing a file whole or not at all.
 //!
 //! The bytes go to a temporary file `.NAME.XXXXXX.tmp` in the folder of the target, which takes the target's name
-//! when all is written. A run that fails or is killed leaves the old file as it was; at worst such a temporary file stays.
+//! when all is written. A run that fails or is killed leaves the old file as it was;
+//! at worst such a temporary file stays.
 //!
 //! - `-` and `/dev/stdout` are standard output.
-//! - What is not a regular file (`/dev/null`, pipes, sockets) and everything under `/dev` and `/proc` is written directly.
+//! - What is not a regular file (`/dev/null`, pipes, sockets) and everything under `/dev` and `/proc` is written
+//!   directly.
 //! - A symbolic link stays one: the file it points to is replaced.
-//! - A new file gets the permissions any new file gets (umask), an old one keeps its own; a write-protected one is refused.
+//! - A new file gets the permissions any new file gets (umask), an old one keeps its own; a write-protected
+//!   one is refused.
 //!
-//! Limit: the data is not forced to the disk before the rename, so this protects from failing and killed runs, not from power cuts.
+//! Limit: the data is not forced to the disk before the rename, so this protects from failing and killed
+//! runs, not from power cuts.
 
 use crate::error::{Error, Result};
 use std::ffi::OsString;

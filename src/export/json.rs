@@ -17,7 +17,8 @@
 //! - A bond has `atoms` (0-based), `order` (0 unknown or none, 1–4; aromatic bonds have that of a Kekulé form), `kind`
 //!   (covalent, coordination, dative, hydrogen), `aromatic`, `source` (file, link, dictionary, distance).
 //! - `cell` is null or has `a`, `b`, `c` (Å), `alpha`, `beta`, `gamma` (degrees); and `vectors`, the three vectors in
-//!   ångström, which then hold, only where **a** is not along +x or **b** not in the xy plane (towards +y, **c** towards +z).
+//!   ångström, which then hold, only where **a** is not along +x or **b** not in the xy plane (towards +y,
+//!   **c** towards +z).
 //! - `title` is there only if there is one.
 
 use super::formats::{Part, StructureFormat};

@@ -12,8 +12,8 @@ pub mod picture;
 mod png;
 pub mod xyz;
 
-/// Rounds to six decimals where that changes a number by no more than 1e-9 of it: edge lengths and angles that went through cell vectors
-/// come back as 11.500000000000002, which is 11.5 (rounding errors of f64 are some 1e-16 of the number).
+/// Rounds to six decimals where that changes a number by no more than 1e-9 of it: edge lengths and angles
+/// that went through cell vectors come back as 11.500000000000002, which is 11.5 (rounding errors of f64 are some 1e-16 of the number).
 #[must_use]
 pub fn tidy(x: f64) -> f64 {
     let rounded = (x * 1e6).round() / 1e6;

@@ -2,7 +2,7 @@
 //!
 //! | format | colour | channels | metadata |
 //! |---|---|---|---|
-//! | PNG | 8-bit RGB, or RGBA with straight alpha where any pixel is not opaque; sRGB chunk | 16-bit, below | text chunks |
+//! | PNG | 8-bit RGB, RGBA (straight alpha) if any pixel is not opaque; sRGB chunk | 16-bit, below | text chunks |
 //! | JPEG | quality 92, alpha flattened | – | a comment |
 //! | WebP | lossless RGB or RGBA | – | – |
 //! | PPM | binary `P6`, alpha flattened | – | – |
@@ -11,7 +11,8 @@
 //! Channels hold the visible surface at the pixel centres, rows from the top.
 //! - **depth**, distance along the view direction: 16-bit grey PNG, linear from 65535 at `near_angstrom` to 1 at
 //!   `far_angstrom` (the smallest and largest depth in this picture, in two text chunks of these names), 0 for the
-//!   background; `depth = far − (value − 1) / 65534 · (far − near)`. NPY `<f4` in ångström, infinity for the background.
+//!   background; `depth = far − (value − 1) / 65534 · (far − near)`. NPY `<f4` in ångström,
+//!   infinity for the background.
 //! - **normal**, unit vector in view space (x right, y up, z to the viewer): 16-bit RGB PNG of `n · 0.5 + 0.5`,
 //!   `(0, 0, 0)` for the background. NPY `<f4 (h, w, 3)`, zero for the background.
 //! - **id**, 0 background, 1 + index of an atom, 1 + number of atoms + index of a bond, 4294967295 ground: 16-bit RGB
@@ -27,7 +28,7 @@ use image::ImageEncoder;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// JPEG quality: colour errors stay below what the eye sees next to the PNG, at about a tenth of its size for photographs.
+/// JPEG quality: ours, and high, as sharp coloured edges on white are where JPEG shows its blocks.
 const JPEG_QUALITY: u8 = 92;
 
 /// A kind of picture file.
@@ -167,7 +168,8 @@ impl Default for PictureOptions {
 /// Writes a picture.
 ///
 /// # Errors
-/// What the writer returns, and `InvalidInput` where the format cannot hold the picture (a channel in a JPEG, too many pixels).
+/// What the writer returns, and `InvalidInput` where the format cannot hold the picture (a channel in a JPEG, too
+/// many pixels).
 pub fn write(
     content: Content<'_>,
     format: PictureFormat,

@@ -2,8 +2,8 @@
 //!
 //! All in plane coordinates (slopes in perspective, ångström in orthographic projection). In a plane that holds the
 //! view axis and the direction `x` a solid of revolution about the unit axis `a` covers the slopes `s` with
-//! `(cx − s·cw)² ≤ r²·(1 + s² − (ax − s·aw)²)` for each of its end circles: a quadratic in `s`; a sphere is the case
-//! `a = 0`. Where the near plane cuts the solid, simpler bounds hold that are wider but lose nothing.
+//! `(cx − s·cw)² ≤ r²·(1 + s² − (ax − s·aw)²)` for each of its end circles: a quadratic in `s`; for a
+//! sphere the last term is missing. Where the near plane cuts the solid, simpler bounds hold that are wider but lose nothing.
 //!
 //! `shaders/bounds.wgsl` holds the twins.
 
@@ -81,14 +81,15 @@ fn rect_from((x0, x1): (f32, f32), (y0, y1): (f32, f32), along: Vec2) -> PlaneRe
     PlaneRect { center: along * middle.x + along.perp() * middle.y, half: half + slack, along }
 }
 
-/// Interval of the slopes of a circle of radius `r` about `(cx, cw)` perpendicular to the unit axis `(ax, aw)` (whose
-/// third component is of no matter); a sphere for `ax = aw = 0`. The circle lies beyond the near plane.
-fn circle_slopes(cx: f32, cw: f32, r: f32, ax: f32, aw: f32) -> (f32, f32) {
+/// Interval of the slopes of a circle of radius `r` about `(cx, cw)` perpendicular to the unit axis `(ax, ay, aw)`, `ay`
+/// being the part of the axis outside the plane; a sphere for `(0, 1, 0)`. The circle lies beyond the near plane.
+fn circle_slopes(cx: f32, cw: f32, r: f32, ax: f32, ay: f32, aw: f32) -> (f32, f32) {
     let r2 = r * r;
     let a = cw * cw - r2 * (1.0 - aw * aw);
     let half_b = cx * cw + r2 * ax * aw;
-    let c = cx * cx - r2 * (1.0 - ax * ax);
-    let root = (half_b * half_b - a * c).max(0.0).sqrt();
+    // half_b² − a·c with the terms that cancel left out: as it stands, f32 has no digit of it left at 1,000 Å.
+    let facing = cx * ax + cw * aw;
+    let root = r * (facing * facing + ay * ay * (cx * cx + cw * cw - r2)).max(0.0).sqrt();
     ((half_b - root) / a, (half_b + root) / a)
 }
 
@@ -119,6 +120,7 @@ pub fn cylinder_rect(a: Vec3, b: Vec3, radius: f32, round: [bool; 2], camera: &B
     let aw = -axis.z;
     for (side, direction) in [along, along.perp()].into_iter().enumerate() {
         let ax = direction.dot(axis.truncate());
+        let ay = direction.perp().dot(axis.truncate());
         if crosses_near && !camera.orthographic {
             for end in near_ends(a, b, axis, radius, camera.near) {
                 cover(side, loose_slopes(direction.dot(end.truncate()), -end.z, radius, camera.near));
@@ -127,12 +129,12 @@ pub fn cylinder_rect(a: Vec3, b: Vec3, radius: f32, round: [bool; 2], camera: &B
         }
         for ((end, round), depth) in [a, b].into_iter().zip(round).zip(depths) {
             let cx = direction.dot(end.truncate());
-            let (ax, aw) = if round { (0.0, 0.0) } else { (ax, aw) };
+            let (ax, ay, aw) = if round { (0.0, 1.0, 0.0) } else { (ax, ay, aw) };
             if camera.orthographic {
                 let extent = radius * (1.0 - ax * ax).max(0.0).sqrt();
                 cover(side, (cx - extent, cx + extent));
             } else {
-                cover(side, circle_slopes(cx, depth, radius, ax, aw));
+                cover(side, circle_slopes(cx, depth, radius, ax, ay, aw));
             }
         }
     }
@@ -161,3 +163,7 @@ fn loose_slopes(cx: f32, cw: f32, r: f32, near: f32) -> (f32, f32) {
     let (x0, x1) = (cx - r, cx + r);
     (x0 / if x0 < 0.0 { nearest } else { farthest }, x1 / if x1 > 0.0 { nearest } else { farthest })
 }
+
+#[cfg(test)]
+#[path = "bounds_tests.rs"]
+mod tests;

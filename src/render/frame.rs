@@ -70,10 +70,12 @@ impl FrameConstants {
             Background::Color(color) => (color, 0.0),
             Background::Transparent => (Srgb8::WHITE, 1.0),
         };
-        // Fog spans the molecule and grows only as deep as it is large: nothing flat is fogged.
+        // Fog spans the molecule. A small one needs none: it sets in at 15 Å and is full from 60 Å on, where the eye
+        // begins to need help with what is in front.
         let half = bounds.size().length() * 0.5;
         let middle = camera.depth(bounds.center());
-        let fog = if transparent > 0.0 || bounds.is_empty() { 0.0 } else { light.fog };
+        let large = ((2.0 * half - 15.0) / 45.0).clamp(0.0, 1.0);
+        let fog = if transparent > 0.0 || bounds.is_empty() { 0.0 } else { light.fog * large };
         let [grid, ground_map, ground_map_size] = grids(scene, view, settings, key_in_world);
         let ground = scene.ground;
         let row = |v: Vec3, w: f32| Vec4::from((v, w)).to_array();

@@ -14,6 +14,8 @@ pub mod image;
 pub mod select;
 pub mod settings;
 pub mod solids;
+#[cfg(test)]
+mod test_shapes;
 
 pub use image::{GBuffer, Image};
 pub use select::{Choice, Selection, select};

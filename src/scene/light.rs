@@ -11,19 +11,19 @@ use glam::Vec3;
 pub struct Lighting {
     /// Direction to the key light in view space (x right, y up, z to the viewer); it moves with the camera. Default: upper left.
     pub key_in_view: Vec3,
-    /// Strength of the key light. Default: 0.62.
+    /// Strength of the key light. Default: 0.74.
     pub key: f32,
     /// Direction to the fill light in view space. Default: right, a little below.
     pub fill_in_view: Vec3,
-    /// Strength of the fill light. Default: 0.10.
+    /// Strength of the fill light. Default: 0.08.
     pub fill: f32,
-    /// Ambient light on surfaces that face up. Default: 0.46.
+    /// Ambient light on surfaces that face up. Default: 0.36.
     pub sky: f32,
-    /// Ambient light on surfaces that face down. Default: 0.24.
+    /// Ambient light on surfaces that face down. Default: 0.14.
     pub bounce: f32,
-    /// Strength of the highlight. Default: 0.16.
+    /// Strength of the highlight. Default: 0.22.
     pub specular: f32,
-    /// Blinn–Phong exponent of the highlight. Default: 48.
+    /// Blinn–Phong exponent of the highlight. Default: 60.
     pub shininess: f32,
     /// How much of the background's colour the farthest point takes on (depth cueing). Default: 0.35.
     pub fog: f32,
@@ -33,13 +33,13 @@ impl Default for Lighting {
     fn default() -> Self {
         Lighting {
             key_in_view: Vec3::new(-0.45, 0.75, 0.55).normalize(),
-            key: 0.62,
+            key: 0.74,
             fill_in_view: Vec3::new(0.8, -0.2, 0.55).normalize(),
-            fill: 0.10,
-            sky: 0.46,
-            bounce: 0.24,
-            specular: 0.16,
-            shininess: 48.0,
+            fill: 0.08,
+            sky: 0.36,
+            bounce: 0.14,
+            specular: 0.22,
+            shininess: 60.0,
             fog: 0.35,
         }
     }

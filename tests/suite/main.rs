@@ -1,6 +1,11 @@
-//! The one integration binary: one file a topic, so that linking is paid once.
+//! The integration tests: one binary, since wgpu links slowly.
 //!
-//! A test goes beside the code if it needs one module, and here if it needs the program or several layers. Its name says the fact.
-//! What cannot be tested on a machine prints `SKIP` and the reason.
+//! Where a new test goes: what one module does is tested beside its code; what several do together here, by topic.
+//! `layering` the order of the modules and the size of files; `corpus` real files with independent truth; `bad_input` truncated
+//! and corrupted ones; `golden` small pictures, one idea each; `parity` CPU against GPU; `shaders` WGSL without a GPU; `cli` the program
+//! as a user runs it; `window` the window under a virtual display.
 
 mod cli;
+mod golden;
+mod layering;
+mod scenes;

@@ -117,11 +117,13 @@ fn slab_interval(q: Vec3, e: Vec3, half_length: f32) -> (f32, f32) {
 fn end_interval(q: Vec3, e: Vec3, y: f32, radius: f32) -> (f32, f32) {
     let p = Vec3::new(q.x, q.y - y, q.z);
     let dd = e.x * e.x + e.y * e.y + e.z * e.z;
-    let pd = p.x * e.x + p.y * e.y + p.z * e.z;
-    let discriminant = pd * pd - dd * (p.x * p.x + p.y * p.y + p.z * p.z - radius * radius);
-    let root = max(discriminant, 0.0).sqrt();
-    let miss = discriminant < 0.0;
-    (select(miss, f32::INFINITY, (-pd - root) / dd), select(miss, f32::NEG_INFINITY, (-pd + root) / dd))
+    // From the ray's point nearest the ball: the cylinder's centre may be a thousand radii away.
+    let middle = -(p.x * e.x + p.y * e.y + p.z * e.z) / dd;
+    let m = p + e * middle;
+    let left = radius * radius - (m.x * m.x + m.y * m.y + m.z * m.z);
+    let half = (max(left, 0.0) / dd).sqrt();
+    let miss = left < 0.0;
+    (select(miss, f32::INFINITY, middle - half), select(miss, f32::NEG_INFINITY, middle + half))
 }
 
 /// Whether cap `end` (0 for a, 1 for b) is `kind`.
@@ -130,16 +132,12 @@ fn has_cap(caps: u32, end: u32, kind: u32) -> bool {
     (caps >> (2 * end)) & 3 == kind
 }
 
-/// The local interval of the solid, and whether the entry is on the side (not on a flat cap).
+/// Entry and exit of the solid between the side and two flat caps; an empty interval for a miss.
 #[inline(always)]
-fn solid_interval(q: Vec3, e: Vec3, cylinder: &Cylinder) -> (f32, f32, bool) {
-    let (side_in, side_out) = side_interval(q, e, cylinder.radius);
-    let (slab_in, slab_out) = slab_interval(q, e, cylinder.half_length);
-    let (entry, exit) = (max(side_in, slab_in), min(side_out, slab_out));
+fn body_interval(side: (f32, f32), slab: (f32, f32)) -> (f32, f32) {
+    let (entry, exit) = (max(side.0, slab.0), min(side.1, slab.1));
     let hit = entry <= exit;
-    let entry = select(hit, entry, f32::INFINITY);
-    let exit = select(hit, exit, f32::NEG_INFINITY);
-    (entry, exit, side_in >= slab_in)
+    (select(hit, entry, f32::INFINITY), select(hit, exit, f32::NEG_INFINITY))
 }
 
 /// `t` of the first hit with a cylinder at `t ≥ near`; `near` itself inside the solid; infinity for a miss.
@@ -147,44 +145,64 @@ fn solid_interval(q: Vec3, e: Vec3, cylinder: &Cylinder) -> (f32, f32, bool) {
 #[must_use]
 pub fn cylinder_t(ray: &Ray, cylinder: &Cylinder, near: f32) -> f32 {
     let (q, e, t0) = cylinder_ray(ray, cylinder);
-    let local_near = near - t0;
-    let t = if cylinder.caps == FLAT_CAPS {
-        let (entry, exit, _) = solid_interval(q, e, cylinder);
-        visible_t(entry, exit, local_near)
+    if cylinder.caps == FLAT_CAPS {
+        let side = side_interval(q, e, cylinder.radius);
+        let (entry, exit) = body_interval(side, slab_interval(q, e, cylinder.half_length));
+        visible_t(t0 + entry, t0 + exit, near)
     } else {
-        capped_t(q, e, cylinder, local_near)
-    };
-    t0 + t
+        capped_t(q, e, cylinder, t0, near)
+    }
 }
 
 /// Both caps flat, as in all styles with balls.
 const FLAT_CAPS: u32 = 1 | 1 << 2;
 
-/// The general case: every end open, flat or round.
-fn capped_t(q: Vec3, e: Vec3, cylinder: &Cylinder, near: f32) -> f32 {
-    let (mut entry, mut exit, _) = solid_interval(q, e, cylinder);
+/// Entry and exit of a cylinder with its half balls, and those of its slab: where they are equal the ray passes a cap's plane.
+fn capped_interval(q: Vec3, e: Vec3, cylinder: &Cylinder) -> ((f32, f32), (f32, f32)) {
+    let h = cylinder.half_length;
+    let slab = slab_interval(q, e, h);
+    let (mut entry, mut exit) = body_interval(side_interval(q, e, cylinder.radius), slab);
     for end in 0..2 {
-        if has_cap(cylinder.caps, end, 2) {
-            let y = if end == 0 { -cylinder.half_length } else { cylinder.half_length };
-            let (ball_in, ball_out) = end_interval(q, e, y, cylinder.radius);
-            entry = entry.min(ball_in);
-            exit = exit.max(ball_out);
+        if !has_cap(cylinder.caps, end, 2) {
+            continue;
+        }
+        let sign = if end == 0 { -1.0 } else { 1.0 };
+        let (mut ball_in, mut ball_out) = end_interval(q, e, sign * h, cylinder.radius);
+        if !has_cap(cylinder.caps, 1 - end, 2) {
+            // A ball wider than the stick is long must not come out of the other end.
+            if e.y.abs() <= 1e-20 {
+                ball_in = select(sign * q.y >= -h, ball_in, f32::INFINITY);
+            } else if sign * e.y > 0.0 {
+                ball_in = max(ball_in, slab.0);
+            } else {
+                ball_out = min(ball_out, slab.1);
+            }
+        }
+        if ball_in <= ball_out {
+            entry = min(entry, ball_in);
+            exit = max(exit, ball_out);
         }
     }
+    ((entry, exit), slab)
+}
+
+/// Whether the ray enters, and whether it leaves, through an open end.
+fn through_open_ends(e: Vec3, caps: u32, solid: (f32, f32), slab: (f32, f32)) -> (bool, bool) {
+    let first = u32::from(e.y <= 0.0);
+    (solid.0 == slab.0 && has_cap(caps, first, 0), solid.1 == slab.1 && has_cap(caps, 1 - first, 0))
+}
+
+/// The general case: every end open, flat or round.
+fn capped_t(q: Vec3, e: Vec3, cylinder: &Cylinder, t0: f32, near: f32) -> f32 {
+    let (solid, slab) = capped_interval(q, e, cylinder);
+    let (entry, exit) = (t0 + solid.0, t0 + solid.1);
     if !has_cap(cylinder.caps, 0, 0) && !has_cap(cylinder.caps, 1, 0) {
         return visible_t(entry, exit, near);
     }
     // An open end makes a surface, not a solid: the first of the crossings that is not through an open end.
-    let (side_in, side_out) = side_interval(q, e, cylinder.radius);
-    for t in [entry, exit] {
-        let y = q.y + t * e.y;
-        let end = u32::from(y > 0.0);
-        let on_side = (t == side_in || t == side_out) && y.abs() <= cylinder.half_length;
-        if t.is_finite() && t >= near && (on_side || !has_cap(cylinder.caps, end, 0)) {
-            return t;
-        }
-    }
-    f32::INFINITY
+    let (open_in, open_out) = through_open_ends(e, cylinder.caps, solid, slab);
+    let far = select(solid.0 <= solid.1 && !open_out && exit >= near, exit, f32::INFINITY);
+    select(solid.0 <= solid.1 && !open_in && entry >= near, entry, far)
 }
 
 /// Unit normal of a cylinder at the hit that [`cylinder_t`] gave. On the side it is perpendicular to the axis; where
@@ -197,34 +215,19 @@ pub fn cylinder_normal(ray: &Ray, cylinder: &Cylinder, near: f32, t: f32) -> Vec
         return to_camera;
     }
     let (q, e, t0) = cylinder_ray(ray, cylinder);
-    let (entry, exit, from_side) = solid_interval(q, e, cylinder);
-    let mut local = t - t0;
-    let mut on_side = from_side;
-    if !open && entry <= exit {
-        local = entry; // t0 + entry rounds; the point itself need not
-    } else if open {
-        // Which surface an open end let the ray through to: the one whose crossing is nearest.
-        let (side, slab) = (side_interval(q, e, cylinder.radius), slab_interval(q, e, cylinder.half_length));
-        let from = |(a, b): (f32, f32)| (local - a).abs().min((local - b).abs());
-        on_side = from(side) <= from(slab);
-    }
-    let mut p = q + e * local;
-    let mut center = Vec3::new(0.0, p.y, 0.0);
-    for end in 0..2 {
-        if has_cap(cylinder.caps, end, 2) {
-            let y = if end == 0 { -cylinder.half_length } else { cylinder.half_length };
-            let (ball_in, _) = end_interval(q, e, y, cylinder.radius);
-            if ball_in < entry || entry > exit {
-                let at = q + e * ball_in;
-                let outside = if end == 0 { at.y <= y } else { at.y >= y };
-                if outside && ball_in.is_finite() {
-                    (p, center, on_side) = (at, Vec3::new(0.0, y, 0.0), true);
-                }
-            }
-        }
-    }
-    let local_normal =
-        if on_side { (p - center).normalize_or(-e) } else { Vec3::new(0.0, if e.y > 0.0 { -1.0 } else { 1.0 }, 0.0) };
+    let (solid, slab) = capped_interval(q, e, cylinder);
+    let (open_in, _) = through_open_ends(e, cylinder.caps, solid, slab);
+    let leaving = open && (open_in || t0 + solid.0 < near);
+    // The crossing itself: t − t0 has been rounded.
+    let (local, plane) = if leaving { (solid.1, slab.1) } else { (solid.0, slab.0) };
+    let local_normal = if local == plane {
+        Vec3::new(0.0, if e.y > 0.0 { -1.0 } else { 1.0 }, 0.0)
+    } else {
+        let p = q + e * local;
+        let round = has_cap(cylinder.caps, u32::from(p.y > 0.0), 2);
+        let axial = if round { p.y.clamp(-cylinder.half_length, cylinder.half_length) } else { p.y };
+        (p - Vec3::new(0.0, axial, 0.0)).normalize_or(-e)
+    };
     let normal = cylinder.cylinder_from_space.transpose() * local_normal;
     // Seen from inside, an open cylinder shows its back.
     let towards = if open && normal.dot(ray.direction) > 0.0 { -normal } else { normal };

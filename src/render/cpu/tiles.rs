@@ -1,16 +1,284 @@
-//! tiles (being written)
-use super::super::field::GroundMap;
-use super::super::{GBuffer, Image, Settings, View};
-use crate::scene::Scene;
+//! The reference's picture, bit for bit, tile by tile on all cores.
+//!
+//! For each sample of a tile the candidates are drawn front to back into a small depth buffer, eight pixels at a time
+//! (plain loops over the branch-free `*_t` functions, which compile to vector code), then what is seen is shaded by
+//! the same [`Shader`] as in the reference. Ties in depth go to the first primitive, as there.
 
-/// The finished picture.
+use super::binning::{Bins, Candidate, TILE};
+use super::intersect::{cylinder_t, sphere_t};
+use super::shader::Shader;
+use crate::color::Srgb8;
+use crate::render::field::GroundMap;
+use crate::render::frame::{FrameConstants, resolve};
+use crate::render::settings::sample_offset;
+use crate::render::solids::Solids;
+use crate::render::{GBuffer, Image, Settings, View};
+use crate::scene::{PixelGrid, Ray, Region, Scene};
+use glam::{Vec3, Vec4};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+const PIXELS: usize = (TILE * TILE) as usize;
+const LANES: usize = 8;
+
+/// One sample of every pixel of a tile: depth and primitive of what is nearest.
+struct TileDepth {
+    t: [[f32; TILE as usize]; TILE as usize],
+    index: [[u32; TILE as usize]; TILE as usize],
+    /// Plane coordinates of the sample in each column and row.
+    u: [f32; TILE as usize],
+    v: [f32; TILE as usize],
+}
+
+impl TileDepth {
+    fn new() -> TileDepth {
+        TileDepth {
+            t: [[f32::INFINITY; TILE as usize]; TILE as usize],
+            index: [[0; TILE as usize]; TILE as usize],
+            u: [0.0; TILE as usize],
+            v: [0.0; TILE as usize],
+        }
+    }
+
+    /// Empties it and places its samples.
+    fn restart(&mut self, grid: &PixelGrid, x_px: u32, y_px: u32, [dx, dy]: [f32; 2]) {
+        self.t.iter_mut().for_each(|row| row.fill(f32::INFINITY));
+        for i in 0..TILE {
+            let (u, v) = grid.plane((x_px + i) as f32 + dx, (y_px + i) as f32 + dy);
+            self.u[i as usize] = u;
+            self.v[i as usize] = v;
+        }
+    }
+
+    /// The farthest depth in the tile; infinity if a pixel is empty.
+    fn farthest(&self) -> f32 {
+        let mut farthest = 0.0f32;
+        for row in &self.t {
+            for &t in row {
+                farthest = if t > farthest { t } else { farthest };
+            }
+        }
+        farthest
+    }
+
+    /// Draws one primitive into the pixels `columns × rows` (whole groups of [`LANES`] columns are touched).
+    #[inline(always)]
+    fn draw(&mut self, index: u32, columns: [usize; 2], rows: [usize; 2], t_of: impl Fn(f32, f32) -> f32) {
+        for row in rows[0]..rows[1] {
+            let v = self.v[row];
+            for group in columns[0] / LANES..columns[1].div_ceil(LANES) {
+                let start = group * LANES;
+                let t = &mut self.t[row][start..start + LANES];
+                let nearest = &mut self.index[row][start..start + LANES];
+                let u = &self.u[start..start + LANES];
+                for lane in 0..LANES {
+                    let new = t_of(u[lane], v);
+                    let closer = (new < t[lane]) | ((new == t[lane]) & (new < f32::INFINITY) & (index < nearest[lane]));
+                    t[lane] = if closer { new } else { t[lane] };
+                    nearest[lane] = if closer { index } else { nearest[lane] };
+                }
+            }
+        }
+    }
+}
+
+/// What all tiles of a picture share.
+struct Picture<'a> {
+    shader: Shader<'a>,
+    bins: Bins,
+    grid: PixelGrid,
+    region: Region,
+    near: f32,
+}
+
+impl Picture<'_> {
+    /// Finds what every pixel of a tile sees in one sample.
+    fn see(&self, depth: &mut TileDepth, tile: usize, offset: [f32; 2]) {
+        let (x, y) = self.corner(tile);
+        depth.restart(&self.grid, self.region.x + x, self.region.y + y, offset);
+        // Looking for the farthest depth costs about as much as drawing a small primitive.
+        let mut farthest = f32::INFINITY;
+        for (drawn, candidate) in self.bins.of_tile(tile).enumerate() {
+            if drawn % 16 == 15 {
+                farthest = depth.farthest();
+            }
+            if candidate.nearest > farthest {
+                break; // the rest is behind everything
+            }
+            self.draw(depth, candidate, x, y);
+        }
+    }
+
+    fn draw(&self, depth: &mut TileDepth, candidate: &Candidate, x: u32, y: u32) {
+        let [left, top, right, bottom] = candidate.pixels.map(u32::from);
+        let columns = [left.saturating_sub(x) as usize, (right - x).min(TILE) as usize];
+        let rows = [top.saturating_sub(y) as usize, (bottom - y).min(TILE) as usize];
+        let (solids, near) = (self.shader.solids, self.near);
+        let perspective = |u, v| Ray { origin: Vec3::ZERO, direction: Vec3::new(u, v, -1.0) };
+        let parallel = |u, v| Ray { origin: Vec3::new(u, v, 0.0), direction: Vec3::new(0.0, 0.0, -1.0) };
+        let index = candidate.index;
+        match (index as usize).checked_sub(solids.spheres.len()) {
+            None => {
+                let sphere = solids.spheres[index as usize];
+                if self.grid.orthographic {
+                    depth.draw(index, columns, rows, |u, v| sphere_t(&parallel(u, v), &sphere, near));
+                } else {
+                    depth.draw(index, columns, rows, |u, v| sphere_t(&perspective(u, v), &sphere, near));
+                }
+            }
+            Some(cylinder) => {
+                let cylinder = solids.cylinders[cylinder];
+                if self.grid.orthographic {
+                    depth.draw(index, columns, rows, |u, v| cylinder_t(&parallel(u, v), &cylinder, near));
+                } else {
+                    depth.draw(index, columns, rows, |u, v| cylinder_t(&perspective(u, v), &cylinder, near));
+                }
+            }
+        }
+    }
+
+    /// Upper left pixel of a tile in the region.
+    fn corner(&self, tile: usize) -> (u32, u32) {
+        let tile = u32::try_from(tile).unwrap_or(u32::MAX);
+        (tile % self.bins.tiles[0] * TILE, tile / self.bins.tiles[0] * TILE)
+    }
+
+    /// Calls `pixel` with the place in the tile, of each pixel of the tile that is in the picture.
+    fn for_each_pixel(&self, tile: usize, mut pixel: impl FnMut(usize, usize)) {
+        let (x, y) = self.corner(tile);
+        for row in 0..TILE.min(self.region.height - y) {
+            for column in 0..TILE.min(self.region.width - x) {
+                pixel(column as usize, row as usize);
+            }
+        }
+    }
+
+    fn center_ray(&self, tile: usize, column: usize, row: usize) -> Ray {
+        let (x, y) = self.corner(tile);
+        let px = (self.region.x + x) as f32 + column as f32 + 0.5;
+        let py = (self.region.y + y) as f32 + row as f32 + 0.5;
+        self.grid.ray(self.grid.plane(px, py))
+    }
+
+    /// The finished pixels of a tile.
+    fn color_tile(&self, tile: usize, samples: u32) -> [Srgb8; PIXELS] {
+        let mut depth = TileDepth::new();
+        let mut sums = [Vec4::ZERO; PIXELS];
+        let mut unseen = [samples; PIXELS];
+        if self.bins.of_tile(tile).next().is_some() {
+            for sample in 0..samples {
+                self.see(&mut depth, tile, sample_offset(sample, samples));
+                self.for_each_pixel(tile, |column, row| {
+                    let t = depth.t[row][column];
+                    if t == f32::INFINITY {
+                        return;
+                    }
+                    let ray = self.grid.ray((depth.u[column], depth.v[row]));
+                    if let Some(color) = self.shader.primitive(&ray, depth.index[row][column], t) {
+                        let pixel = row * TILE as usize + column;
+                        sums[pixel] += color;
+                        unseen[pixel] -= 1;
+                    }
+                });
+            }
+        }
+        let mut pixels = [Srgb8::BLACK; PIXELS];
+        // Neighbours in the backdrop are mostly equal.
+        let mut last = (Vec4::NAN, Srgb8::BLACK);
+        self.for_each_pixel(tile, |column, row| {
+            let pixel = row * TILE as usize + column;
+            let mut sum = sums[pixel];
+            if unseen[pixel] > 0 {
+                sum += self.shader.backdrop(&self.center_ray(tile, column, row)) * unseen[pixel] as f32;
+            }
+            if sum != last.0 {
+                last = (sum, resolve(sum, samples));
+            }
+            pixels[pixel] = last.1;
+        });
+        pixels
+    }
+}
+
+/// Sorts a scene into the tiles of a view and calls `draw` with the picture.
+fn with_picture<R>(
+    scene: &Scene,
+    view: &View,
+    frame: &FrameConstants,
+    ground_map: &GroundMap,
+    draw: impl FnOnce(&Picture<'_>) -> R,
+) -> R {
+    let solids = Solids::new(scene, view.camera.view_from_world());
+    let picture = Picture {
+        bins: Bins::new(&solids, view),
+        shader: Shader::new(frame, &solids, ground_map),
+        grid: view.pixel_grid(),
+        region: view.region(),
+        near: view.camera.near,
+    };
+    draw(&picture)
+}
+
+/// The finished picture; unfinished, and of no use, if `stop` became true meanwhile.
 #[must_use]
-pub fn image(scene: &Scene, view: &View, settings: &Settings, _ground_map: &GroundMap) -> Image {
-    super::reference::image(scene, view, settings)
+pub fn image(scene: &Scene, view: &View, settings: &Settings, ground_map: &GroundMap, stop: &AtomicBool) -> Image {
+    let frame = FrameConstants::new(scene, view, settings);
+    let region = view.region();
+    let samples = settings.samples.clamp(1, 4096);
+    let row_bytes = region.width as usize * 4;
+    let mut rgba = vec![0u8; row_bytes * region.height as usize];
+    with_picture(scene, view, &frame, ground_map, |picture| {
+        let across = picture.bins.tiles[0] as usize;
+        rgba.par_chunks_mut(row_bytes * TILE as usize).enumerate().for_each(|(tile_row, band)| {
+            // Tiles of a band differ much in cost: they are shared out one by one.
+            let tiles: Vec<_> = (0..across)
+                .into_par_iter()
+                .with_max_len(1)
+                .map(|column| match stop.load(Ordering::Relaxed) {
+                    true => [Srgb8::BLACK; PIXELS],
+                    false => picture.color_tile(tile_row * across + column, samples),
+                })
+                .collect();
+            for (column, pixels) in tiles.iter().enumerate() {
+                let left = column * TILE as usize;
+                let width = (TILE as usize).min(region.width as usize - left);
+                for (row, line) in band.chunks_mut(row_bytes).enumerate() {
+                    let from = &pixels[row * TILE as usize..row * TILE as usize + width];
+                    line[left * 4..(left + width) * 4].copy_from_slice(bytemuck::cast_slice(from));
+                }
+            }
+        });
+    });
+    Image { width: region.width, height: region.height, rgba }
 }
 
 /// What is seen at the pixel centres.
 #[must_use]
 pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
-    super::reference::gbuffer(scene, view)
+    let frame = FrameConstants::new(scene, view, &Settings::default());
+    let region = view.region();
+    let none = GroundMap::none();
+    with_picture(scene, view, &frame, &none, |picture| {
+        let across = picture.bins.tiles[0] as usize;
+        let tiles: Vec<Box<TileDepth>> = (0..across * picture.bins.tiles[1] as usize)
+            .into_par_iter()
+            .map(|tile| {
+                let mut depth = Box::new(TileDepth::new());
+                picture.see(&mut depth, tile, [0.5, 0.5]);
+                depth
+            })
+            .collect();
+        let mut buffer = GBuffer::with_capacity(region.width, region.height);
+        for y in 0..region.height {
+            for x in 0..region.width {
+                let tile = &tiles[(y / TILE) as usize * across + (x / TILE) as usize];
+                let (column, row) = ((x % TILE) as usize, (y % TILE) as usize);
+                let t = tile.t[row][column];
+                let nearest = (t < f32::INFINITY).then(|| (tile.index[row][column], t));
+                let ray = picture.grid.ray((tile.u[column], tile.v[row]));
+                buffer.push(picture.shader.facts(&ray, nearest));
+            }
+        }
+        buffer
+    })
 }
