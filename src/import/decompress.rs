@@ -38,11 +38,7 @@ fn other_archive(bytes: &[u8]) -> Option<&'static str> {
 }
 
 /// The plain bytes. What is left of a damaged file is returned with an error diagnostic.
-pub(super) fn decompress<'a>(
-    bytes: &'a [u8],
-    limits: &Limits,
-    diagnostics: &mut Diagnostics,
-) -> Result<Cow<'a, [u8]>> {
+pub(super) fn decompress<'a>(bytes: &'a [u8], limits: &Limits, diagnostics: &mut Diagnostics) -> Result<Cow<'a, [u8]>> {
     let mut plain = Cow::Borrowed(bytes);
     for layer in 0.. {
         if let Some(archive) = other_archive(&plain) {
@@ -111,10 +107,8 @@ fn damaged(error: &std::io::Error, plain: &[u8], rest: &[u8], diagnostics: &mut 
         _ if error.to_string().contains("header") => {
             diagnostics.warn(None, format!("{} bytes or more after the gzip data are ignored", rest.len()));
         }
-        _ => diagnostics.error(
-            None,
-            format!("the gzip data is damaged ({error}); the {kept} bytes before the damage are read"),
-        ),
+        _ => diagnostics
+            .error(None, format!("the gzip data is damaged ({error}); the {kept} bytes before the damage are read")),
     }
     Ok(())
 }
@@ -147,7 +141,8 @@ mod tests {
 
     #[test]
     fn a_cut_stream_gives_its_part_and_says_so() {
-        let text: Vec<u8> = (0..20_000u32).flat_map(|i| format!("{}\n", i.wrapping_mul(2_654_435_761)).into_bytes()).collect();
+        let text: Vec<u8> =
+            (0..20_000u32).flat_map(|i| format!("{}\n", i.wrapping_mul(2_654_435_761)).into_bytes()).collect();
         let packed = gzip(&text);
         let (plain, notes) = run(&packed[..packed.len() / 2]);
         let plain = plain.unwrap();

@@ -31,14 +31,17 @@ pub(super) fn detect(text: &[u8], name_hint: &str, diagnostics: &mut Diagnostics
         (Some(Detected::Json), _) => Ok(Detected::Json),
         (Some(found @ Detected::Format(format)), named) => {
             if let Some(named) = named.filter(|&named| named != format) {
-                diagnostics.warn(None, format!("the name says {named}, but the content is {format} and is read as that"));
+                diagnostics
+                    .warn(None, format!("the name says {named}, but the content is {format} and is read as that"));
             }
             Ok(found)
         }
         (None, Some(Format::BallstickJson | Format::ChemicalJson | Format::ImoleculeJson)) => {
             Err(Error::input(1, "the name says JSON, but the content does not begin with `{`"))
         }
-        (None, _) if looks_binary(text) => Err(Error::input(None, "this is a binary file, not a molecule file in text form")),
+        (None, _) if looks_binary(text) => {
+            Err(Error::input(None, "this is a binary file, not a molecule file in text form"))
+        }
         (None, Some(named)) => Ok(Detected::Format(named)),
         (None, None) => Err(Error::input(
             None,
@@ -93,7 +96,8 @@ fn begins_as_pdb(lines: &[&[u8]]) -> bool {
         b"AUTHOR ", b"ATOM  ", b"HETATM", b"CAVEAT ", b"SPLIT  ", b"ORIGX1 ", b"SEQRES ",
     ];
     let first = lines.iter().find(|line| !is_blank_line(line));
-    first.is_some_and(|line| RECORDS.iter().any(|record| line.starts_with(record) || **line == *record.trim_ascii_end()))
+    first
+        .is_some_and(|line| RECORDS.iter().any(|record| line.starts_with(record) || **line == *record.trim_ascii_end()))
 }
 
 /// An atom count alone on its line, and atoms two lines below (or nothing, in a file that was cut there).

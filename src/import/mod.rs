@@ -52,13 +52,7 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Limits {
-            decompressed_bytes: 8 << 30,
-            ratio: 100,
-            atoms: 200_000_000,
-            line_bytes: 1 << 20,
-            json_depth: 64,
-        }
+        Limits { decompressed_bytes: 8 << 30, ratio: 100, atoms: 200_000_000, line_bytes: 1 << 20, json_depth: 64 }
     }
 }
 
@@ -82,14 +76,8 @@ pub enum Format {
 
 impl Format {
     /// All formats.
-    pub const ALL: [Format; 6] = [
-        Format::Pdb,
-        Format::Xyz,
-        Format::Sdf,
-        Format::BallstickJson,
-        Format::ChemicalJson,
-        Format::ImoleculeJson,
-    ];
+    pub const ALL: [Format; 6] =
+        [Format::Pdb, Format::Xyz, Format::Sdf, Format::BallstickJson, Format::ChemicalJson, Format::ImoleculeJson];
 
     /// The name on the command line and in `info --json`.
     #[must_use]
@@ -238,9 +226,9 @@ fn read_plain(
     let mut records = collect::Records::new(&options.limits);
     let format = match format {
         detect::Detected::Json => json::read(&text, None, &mut records, &mut diagnostics)?,
-        detect::Detected::Format(
-            format @ (Format::BallstickJson | Format::ChemicalJson | Format::ImoleculeJson),
-        ) => json::read(&text, Some(format), &mut records, &mut diagnostics)?,
+        detect::Detected::Format(format @ (Format::BallstickJson | Format::ChemicalJson | Format::ImoleculeJson)) => {
+            json::read(&text, Some(format), &mut records, &mut diagnostics)?
+        }
         detect::Detected::Format(format @ Format::Pdb) => {
             pdb::read(&text, &mut records, &mut diagnostics)?;
             format

@@ -182,10 +182,6 @@ impl Repeated {
         self.count += 1;
     }
 
-    pub(super) fn count(&self) -> u64 {
-        self.count
-    }
-
     /// The message with how often, and the line of the first; `None` if there was none.
     pub(super) fn message(&self) -> Option<(u64, String)> {
         let times = if self.count > 1 { format!(" ({} times, this is the first)", self.count) } else { String::new() };

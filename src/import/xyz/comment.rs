@@ -101,8 +101,10 @@ pub(super) fn read(line: &[u8], number: u64, diagnostics: &mut Diagnostics) -> C
         } else if is("properties", key) {
             match columns(value) {
                 Ok(columns) => comment.columns = columns,
-                Err(why) => diagnostics
-                    .warn(Some(number), format!("`Properties` is not used ({why}); the columns are taken as symbol x y z")),
+                Err(why) => diagnostics.warn(
+                    Some(number),
+                    format!("`Properties` is not used ({why}); the columns are taken as symbol x y z"),
+                ),
             }
         } else {
             if is("name", key) || is("title", key) || is("comment", key) {
@@ -234,7 +236,8 @@ mod tests {
 
     #[test]
     fn pairs_are_split_as_quoted() {
-        let text = r#"a=1 b="x y" bare c={1 2} d=[[1, 2], [3, 4]] "e f"='q' g="say \"hi\"" Lattice="1 0 0 0 1 0 0 0 1""#;
+        let text =
+            r#"a=1 b="x y" bare c={1 2} d=[[1, 2], [3, 4]] "e f"='q' g="say \"hi\"" Lattice="1 0 0 0 1 0 0 0 1""#;
         let (comment, notes) = run(text);
         let pairs: Vec<_> = comment.pairs.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect();
         let want = [

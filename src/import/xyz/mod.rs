@@ -14,15 +14,15 @@
 mod comment;
 
 use super::collect::Records;
+use super::is_plausible;
 use super::number::{parse_f64, parse_i64};
 use super::symbol::{LabelKind, read_label};
 use super::text::{Lines, Repeated, is_blank_line, lossy, next_word, shown, words};
-use super::is_plausible;
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::structure::{AtomRecord, Diagnostics, StructureBuilder, VectorField};
 use comment::{Column, Comment, Role};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
     let mut lines = Lines::new(text, records.limits().line_bytes);
