@@ -11,8 +11,8 @@
 //!
 //! - Positions are in ångström and have as many decimals as the file they came from, so that they read back equal.
 //! - An atom has `element` (`X` for what is no element), `position` and `charge` (formal); and, only where it differs
-//!   from what is said here, `name`, `residue` `{name, number, chain, insertion_code}`, `serial` (1-based index),
-//!   `altloc`, `occupancy` (1), `b_factor` (0), `isotope` (natural mixture), `radical` (0), `partial_charge`,
+//!   from what is said here, `name`, `residue` (its name), `residue_number`, `insertion_code`, `chain`, `serial` (1-based
+//!   index), `altloc`, `occupancy` (1), `b_factor` (0), `isotope` (natural mixture), `radical` (0), `partial_charge`,
 //!   `hetero` (false), `particle` (false: lone pairs, dummies).
 //! - A bond has `atoms` (0-based), `order` (0 unknown or none, 1–4; aromatic bonds have that of a Kekulé form), `kind`
 //!   (covalent, coordination, dative, hydrogen), `aromatic`, `source` (file, link, dictionary, distance).
@@ -117,13 +117,10 @@ fn write_atom(
     optional(has_serials, "serial", &structure.serial(atom))?;
     if let Some(residue) = structure.residue_index(atom).and_then(|index| structure.residues().get(index)) {
         let chain = structure.chains().nth(residue.chain as usize).unwrap_or("");
-        let (name, number) = (Text(structure.name(residue.name)), residue.number);
-        let mut value = format!("{{\"name\":{name},\"number\":{number},\"chain\":{}", Text(chain));
-        if residue.insertion_code != b' ' {
-            value.push_str(&format!(",\"insertion_code\":{}", Code(residue.insertion_code)));
-        }
-        value.push('}');
-        optional(true, "residue", &value)?;
+        optional(true, "residue", &Text(structure.name(residue.name)))?;
+        optional(true, "residue_number", &residue.number)?;
+        optional(residue.insertion_code != b' ', "insertion_code", &Code(residue.insertion_code))?;
+        optional(true, "chain", &Text(chain))?;
     }
     optional(structure.altloc(atom) != b' ', "altloc", &Code(structure.altloc(atom)))?;
     optional(structure.occupancy(atom) != 1.0, "occupancy", &Number(structure.occupancy(atom)))?;
@@ -270,7 +267,7 @@ mod tests {
             "title": "a \"quoted\"\nname",
             "atoms": [{
                 "element": "C", "position": [0.1, 1e-7, 12345.6789], "charge": -2, "name": "CA", "serial": 42,
-                "residue": {"name": "ALA", "number": -3, "chain": "A", "insertion_code": "B"}, "altloc": "B",
+                "residue": "ALA", "residue_number": -3, "chain": "A", "insertion_code": "B", "altloc": "B",
                 "occupancy": 0.35, "b_factor": 12.5, "isotope": 13, "radical": 2, "partial_charge": -0.125,
                 "hetero": true, "particle": true
             }],
