@@ -6,6 +6,7 @@
 //! as a user runs it; `window` the window under a virtual display.
 
 mod bad_input;
+mod cli;
 mod corpus;
 mod golden;
 mod layering;
