@@ -4,6 +4,7 @@ pub mod bonds;
 pub mod color;
 pub mod element;
 pub mod error;
+pub mod import;
 pub mod math;
 pub mod structure;
 
