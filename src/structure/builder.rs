@@ -386,5 +386,9 @@ mod tests {
         builder.push_bond_stereo(2, 1, BondStereo::Up);
         let structure = builder.build(&mut Diagnostics::default());
         assert_eq!(structure.bond_stereo(), [(1, BondStereo::Up)]);
+        let bond = |a, b| Bond::new(a, b, BondOrder::Single, BondSource::Distance);
+        let more = structure.with_bonds(vec![bond(0, 1), bond(0, 2), bond(1, 2)]);
+        assert_eq!(more.bond_stereo(), [(2, BondStereo::Up)]);
+        assert!(more.with_bonds(vec![bond(0, 1)]).bond_stereo().is_empty());
     }
 }
