@@ -44,6 +44,9 @@ pub struct Limits {
     pub ratio: u32,
     /// Atoms of one record. Default: 200,000,000.
     pub atoms: usize,
+    /// Records of a file; those beyond are left out with an error. Default: 250,000 (a record takes a kilobyte
+    /// beside its atoms, which a hostile file states in a dozen bytes).
+    pub records: usize,
     /// Bytes of one line, in formats made of lines. Default: 1 MiB.
     pub line_bytes: usize,
     /// Levels of arrays and objects in a JSON file. Default: 64; more than 127 is as 127.
@@ -52,7 +55,14 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Limits { decompressed_bytes: 8 << 30, ratio: 100, atoms: 200_000_000, line_bytes: 1 << 20, json_depth: 64 }
+        Limits {
+            decompressed_bytes: 8 << 30,
+            ratio: 100,
+            atoms: 200_000_000,
+            records: 250_000,
+            line_bytes: 1 << 20,
+            json_depth: 64,
+        }
     }
 }
 
