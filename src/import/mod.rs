@@ -1,7 +1,7 @@
 //! Import: bytes of a molecule file to a [`Document`].
 //!
-//! Way of a file: bytes → decompression ([`decompress`]) → text (byte order mark, UTF-16, line ends: [`text`]) → format
-//! by content, then by extension ([`detect`]) → the format's reader → records and frames ([`collect`]).
+//! Way of a file: bytes → decompression (`decompress`) → text (byte order mark, UTF-16, line ends: `text`) → format
+//! by content, then by extension (`detect`) → the format's reader → records and frames (`collect`).
 //!
 //! Readers never guess bonds: they hand on those the file states and say whether the list is whole. They are lenient
 //! in layout and strict in values: what cannot be read is left out, with a diagnostic that names the line. An
