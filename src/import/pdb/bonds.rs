@@ -24,7 +24,7 @@ pub(super) type Serial = (i32, Option<i32>);
 /// How far apart atoms that share serials with others may be bonded, in ångström: longer than any bond a CONECT
 /// record states (Hg–I 2.8), shorter than the distance of unrelated molecules' like atoms.
 const NEAR: f32 = 3.0;
-/// Steps that one file may take for its bonds and copies, which bounds the time of hostile ones: a capsid of 3 million
+/// Steps that one file may take for its bonds, which bounds the time of hostile ones: a capsid of 3 million
 /// atoms with a CONECT each takes 12 million.
 const MAX_STEPS: usize = 100_000_000;
 
@@ -39,6 +39,10 @@ impl Default for Budget {
 }
 
 impl Budget {
+    pub(super) fn new(steps: usize) -> Budget {
+        Budget(steps)
+    }
+
     /// Takes some steps; `false` if there are not as many left.
     pub(super) fn spend(&mut self, steps: usize) -> bool {
         let enough = steps <= self.0;
@@ -219,7 +223,8 @@ fn resolve_links(
             // Alternate locations; more atoms of one name in one residue are an error of the file.
             atoms.truncate(16);
         }
-        budget.spend(found.len() + 1).then_some(atoms)
+        // Hashing the key costs about as much as eight comparisons.
+        budget.spend(found.len() + 8).then_some(atoms)
     };
     let mut missing = Repeated::default();
     for link in links {

@@ -60,6 +60,9 @@ pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnos
     Ok(())
 }
 
+/// Helices and strands that all records of a file together may hold.
+const MAX_COPIES: usize = 1_000_000;
+
 /// What may occur on many lines.
 #[derive(Debug, Default)]
 struct Oddities {
@@ -122,6 +125,7 @@ struct Reader<'a> {
     pending: Vec<(usize, Vec<Conect>)>,
     states_bonds: bool,
     budget: Budget,
+    copies: Budget,
     oddities: Oddities,
 }
 
@@ -145,6 +149,7 @@ impl<'a> Reader<'a> {
             pending: Vec::new(),
             states_bonds: false,
             budget: Budget::default(),
+            copies: Budget::new(MAX_COPIES),
             oddities: Oddities::default(),
         }
     }
@@ -429,7 +434,7 @@ impl<'a> Reader<'a> {
         builder.set_title(self.title.clone());
         builder.set_cell(self.cell);
         // Every record gets its copy, so that the number of copies is bounded, too.
-        if self.budget.spend(self.secondary.len()) {
+        if self.copies.spend(self.secondary.len()) {
             for element in &self.secondary {
                 builder.push_secondary(element.clone());
             }
