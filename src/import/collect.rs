@@ -9,11 +9,12 @@ use crate::structure::{Diagnostics, Structure};
 pub(super) struct Records {
     limits: Limits,
     list: Vec<Structure>,
+    left_out: u64,
 }
 
 impl Records {
     pub(super) fn new(limits: &Limits) -> Records {
-        Records { limits: *limits, list: Vec::new() }
+        Records { limits: *limits, list: Vec::new(), left_out: 0 }
     }
 
     pub(super) fn limits(&self) -> &Limits {
@@ -36,18 +37,28 @@ impl Records {
 
     /// Adds a record of its own.
     pub(super) fn push(&mut self, structure: Structure) {
-        self.list.push(structure);
+        if self.list.len() < self.limits.records {
+            self.list.push(structure);
+        } else {
+            self.left_out += 1;
+        }
     }
 
     /// Adds a model or frame: a further frame of the last record if that has the same atoms, else a new record.
     /// What a further frame says beside positions, cell and title (bonds, charges, vectors) is the first one's.
-    /// Returns the index of the record.
-    pub(super) fn push_frame(&mut self, structure: Structure) -> usize {
+    /// Returns the index of the record; `None` if it is left out, being one too many.
+    pub(super) fn push_frame(&mut self, structure: Structure) -> Option<usize> {
         match self.list.last_mut() {
             Some(last) if same_atoms(last, &structure) => last.frames.extend(structure.frames),
-            _ => self.list.push(structure),
+            _ => {
+                let before = self.left_out;
+                self.push(structure);
+                if self.left_out > before {
+                    return None;
+                }
+            }
         }
-        self.list.len() - 1
+        self.list.len().checked_sub(1)
     }
 
     /// Replaces a record by what `change` makes of it.
@@ -60,7 +71,12 @@ impl Records {
         }
     }
 
-    pub(super) fn finish(self, format: Format, diagnostics: Diagnostics) -> Result<Document> {
+    pub(super) fn finish(self, format: Format, mut diagnostics: Diagnostics) -> Result<Document> {
+        if self.left_out > 0 {
+            let (left_out, limit) = (self.left_out, self.limits.records);
+            diagnostics
+                .error(None, format!("{left_out} records behind the first {limit} are left out (limit `records`)"));
+        }
         if self.list.is_empty() {
             return Err(Error::input(None, format!("no molecule was found in the file (read as {format})")));
         }
@@ -105,8 +121,18 @@ mod tests {
             (vec![Element::O, Element::C], "A", 2),
             (vec![Element::O], "A", 3),
         ] {
-            assert_eq!(records.push_frame(molecule(&elements, name)), want);
+            assert_eq!(records.push_frame(molecule(&elements, name)), Some(want));
         }
+    }
+
+    #[test]
+    fn records_beyond_the_limit_are_counted() {
+        let mut records = Records::new(&Limits { records: 1, ..Limits::default() });
+        assert_eq!(records.push_frame(molecule(&[Element::C], "")), Some(0));
+        assert_eq!(records.push_frame(molecule(&[Element::O], "")), None);
+        assert_eq!(records.push_frame(molecule(&[Element::C], "")), Some(0));
+        let document = records.finish(Format::Xyz, Diagnostics::default()).unwrap();
+        assert_eq!((document.frame_count(), document.diagnostics.len()), (2, 1));
     }
 
     #[test]

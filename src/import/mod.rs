@@ -1,7 +1,7 @@
 //! Import: bytes of a molecule file to a [`Document`].
 //!
-//! Way of a file: bytes → decompression ([`decompress`]) → text (byte order mark, UTF-16, line ends: [`text`]) → format
-//! by content, then by extension ([`detect`]) → the format's reader → records and frames ([`collect`]).
+//! Way of a file: bytes → decompression (`decompress`) → text (byte order mark, UTF-16, line ends: `text`) → format
+//! by content, then by extension (`detect`) → the format's reader → records and frames (`collect`).
 //!
 //! Readers never guess bonds: they hand on those the file states and say whether the list is whole. They are lenient
 //! in layout and strict in values: what cannot be read is left out, with a diagnostic that names the line. An
@@ -44,6 +44,9 @@ pub struct Limits {
     pub ratio: u32,
     /// Atoms of one record. Default: 200,000,000.
     pub atoms: usize,
+    /// Records of a file; those beyond are left out with an error. Default: 250,000 (a record takes a kilobyte
+    /// beside its atoms, which a hostile file states in a dozen bytes).
+    pub records: usize,
     /// Bytes of one line, in formats made of lines. Default: 1 MiB.
     pub line_bytes: usize,
     /// Levels of arrays and objects in a JSON file. Default: 64; more than 127 is as 127.
@@ -52,7 +55,14 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Limits { decompressed_bytes: 8 << 30, ratio: 100, atoms: 200_000_000, line_bytes: 1 << 20, json_depth: 64 }
+        Limits {
+            decompressed_bytes: 8 << 30,
+            ratio: 100,
+            atoms: 200_000_000,
+            records: 250_000,
+            line_bytes: 1 << 20,
+            json_depth: 64,
+        }
     }
 }
 

@@ -183,7 +183,7 @@ impl BondColumns {
     /// Pairs of atom indices with their orders.
     pub(super) fn bonds(&self, diagnostics: &mut Diagnostics) -> Vec<([i64; 2], Option<f64>)> {
         let index = &self.connections.index;
-        if index.len() % 2 != 0 {
+        if !index.len().is_multiple_of(2) {
             diagnostics.error(None, "`bonds.connections.index` holds an odd number of atoms; the last one is left out");
         }
         if !self.order.is_empty() && self.order.len() != index.len() / 2 {

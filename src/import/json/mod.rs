@@ -122,7 +122,7 @@ enum Text {
 }
 
 enum Atoms {
-    List(list::List),
+    List(Box<list::List>),
     Columns(columns::Columns),
 }
 
@@ -137,7 +137,7 @@ impl<'de> Deserialize<'de> for Atoms {
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Atoms, A::Error> {
-                list::List::read(seq).map(Atoms::List)
+                list::List::read(seq).map(|list| Atoms::List(Box::new(list)))
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Atoms, A::Error> {

@@ -24,8 +24,32 @@ pub(super) type Serial = (i32, Option<i32>);
 /// How far apart atoms that share serials with others may be bonded, in ångström: longer than any bond a CONECT
 /// record states (Hg–I 2.8), shorter than the distance of unrelated molecules' like atoms.
 const NEAR: f32 = 3.0;
-/// Pairs looked at for shared serials in one file, which bounds the time of hostile ones.
-const MAX_TESTS: usize = 50_000_000;
+/// Steps that one file may take for its bonds, which bounds the time of hostile ones: a capsid of 3 million
+/// atoms with a CONECT each takes 12 million.
+const MAX_STEPS: usize = 100_000_000;
+
+/// The steps that are left.
+#[derive(Debug)]
+pub(super) struct Budget(usize);
+
+impl Default for Budget {
+    fn default() -> Budget {
+        Budget(MAX_STEPS)
+    }
+}
+
+impl Budget {
+    pub(super) fn new(steps: usize) -> Budget {
+        Budget(steps)
+    }
+
+    /// Takes some steps; `false` if there are not as many left.
+    pub(super) fn spend(&mut self, steps: usize) -> bool {
+        let enough = steps <= self.0;
+        self.0 = if enough { self.0 - steps } else { 0 };
+        enough
+    }
+}
 
 /// One end of a LINK or SSBOND.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,10 +81,11 @@ pub(super) fn resolve(
     structure: &Structure,
     conects: &[&[Conect]],
     links: &[Link],
+    budget: &mut Budget,
     diagnostics: &mut Diagnostics,
 ) -> Vec<Bond> {
-    let mut bonds = resolve_conects(structure, conects, diagnostics);
-    resolve_links(structure, links, &mut bonds, diagnostics);
+    let mut bonds = resolve_conects(structure, conects, budget, diagnostics);
+    resolve_links(structure, links, &mut bonds, budget, diagnostics);
     for bond in &mut bonds {
         let metal = |atom: u32| structure.elements().get(atom as usize).is_some_and(|element| element.is_metal());
         if metal(bond.a) != metal(bond.b) {
@@ -71,7 +96,12 @@ pub(super) fn resolve(
     bonds
 }
 
-fn resolve_conects(structure: &Structure, conects: &[&[Conect]], diagnostics: &mut Diagnostics) -> Vec<Bond> {
+fn resolve_conects(
+    structure: &Structure,
+    conects: &[&[Conect]],
+    budget: &mut Budget,
+    diagnostics: &mut Diagnostics,
+) -> Vec<Bond> {
     if conects.iter().all(|list| list.is_empty()) {
         return Vec::new();
     }
@@ -86,10 +116,13 @@ fn resolve_conects(structure: &Structure, conects: &[&[Conect]], diagnostics: &m
     };
     let positions = structure.positions().relative();
     let (mut dangling, mut unclear) = (Repeated::default(), Repeated::default());
-    let mut tests = 0usize;
     let (mut directed, mut shared) = (Vec::new(), Vec::new());
     let (mut from, mut to) = (Vec::new(), Vec::new());
     for conect in conects.iter().copied().flatten() {
+        if !budget.spend(1) {
+            unclear.note(conect.line, too_much);
+            break;
+        }
         for (atoms, (serial, also)) in [(&mut from, conect.from), (&mut to, conect.to)] {
             atoms.clear();
             atoms.extend(atoms_of(serial));
@@ -102,10 +135,9 @@ fn resolve_conects(structure: &Structure, conects: &[&[Conect]], diagnostics: &m
             }),
             (&[a], &[b]) => directed.push((a, b)),
             _ => {
-                tests = tests.saturating_add(from.len().saturating_mul(to.len()));
-                if tests > MAX_TESTS {
-                    unclear.note(conect.line, || "too many atoms share this serial; its bonds are left out".to_owned());
-                    continue;
+                if !budget.spend(from.len().saturating_mul(to.len())) {
+                    unclear.note(conect.line, too_much);
+                    break;
                 }
                 nearest_pairs(&from, &to, positions, &mut shared);
             }
@@ -114,6 +146,10 @@ fn resolve_conects(structure: &Structure, conects: &[&[Conect]], diagnostics: &m
     dangling.warn(diagnostics);
     unclear.warn(diagnostics);
     count_repeats(directed, shared)
+}
+
+fn too_much() -> String {
+    "too many atoms or models share the numbers of CONECT and LINK; bonds from here on are left out".to_owned()
 }
 
 /// For each atom of `from` the nearest of `to`, if it is near enough; if none is, the one nearest pair of all.
@@ -154,7 +190,13 @@ fn count_repeats(mut directed: Vec<(u32, u32)>, shared: Vec<(u32, u32)>) -> Vec<
 }
 
 /// Adds the bonds of LINK and SSBOND behind those of CONECT.
-fn resolve_links(structure: &Structure, links: &[Link], bonds: &mut Vec<Bond>, diagnostics: &mut Diagnostics) {
+fn resolve_links(
+    structure: &Structure,
+    links: &[Link],
+    bonds: &mut Vec<Bond>,
+    budget: &mut Budget,
+    diagnostics: &mut Diagnostics,
+) {
     if links.is_empty() {
         return;
     }
@@ -164,24 +206,32 @@ fn resolve_links(structure: &Structure, links: &[Link], bonds: &mut Vec<Bond>, d
         let chain = chains.get(residue.chain as usize).copied().unwrap_or_default();
         residues.entry((chain, residue.number, residue.insertion_code)).or_default().push(index);
     }
-    let atoms_of = |end: &LinkEnd| {
+    let atoms_of = |end: &LinkEnd, budget: &mut Budget| {
         let found = residues.get(&(end.chain.as_str(), end.number, end.insertion_code)).map_or(&[][..], Vec::as_slice);
         let all = structure.residues();
-        let named = found.iter().filter(|&&index| structure.name(all[index].name) == end.residue);
-        let atoms = named.flat_map(|&index| {
+        let mut atoms = Vec::new();
+        for &index in found.iter().filter(|&&index| structure.name(all[index].name) == end.residue) {
+            let first = all[index].first_atom as usize;
             let until = all.get(index + 1).map_or(structure.atom_count(), |next| next.first_atom as usize);
-            all[index].first_atom as usize..until
-        });
-        atoms
-            .filter(|&atom| structure.atom_name(atom) == end.atom)
-            .filter(|&atom| end.altloc == b' ' || structure.altloc(atom) == end.altloc)
-            .filter_map(|atom| u32::try_from(atom).ok())
-            .take(16) // alternate locations; more atoms of one name in one residue are an error of the file
-            .collect::<Vec<_>>()
+            if !budget.spend(found.len() + until - first) {
+                return None;
+            }
+            let named = (first..until)
+                .filter(|&atom| structure.atom_name(atom) == end.atom)
+                .filter(|&atom| end.altloc == b' ' || structure.altloc(atom) == end.altloc);
+            atoms.extend(named.filter_map(|atom| u32::try_from(atom).ok()));
+            // Alternate locations; more atoms of one name in one residue are an error of the file.
+            atoms.truncate(16);
+        }
+        // Hashing the key costs about as much as eight comparisons.
+        budget.spend(found.len() + 8).then_some(atoms)
     };
     let mut missing = Repeated::default();
     for link in links {
-        let [from, to] = [&link.ends[0], &link.ends[1]].map(atoms_of);
+        let (Some(from), Some(to)) = (atoms_of(&link.ends[0], budget), atoms_of(&link.ends[1], budget)) else {
+            missing.note(link.line, too_much);
+            break;
+        };
         if from.is_empty() || to.is_empty() {
             let end = &link.ends[usize::from(!from.is_empty())];
             missing.note(link.line, || {

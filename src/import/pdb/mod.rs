@@ -18,21 +18,18 @@
 
 mod bonds;
 mod element;
+mod fields;
 mod number;
 
 use super::collect::Records;
-use super::is_plausible;
 use super::number::{parse_f64, parse_i64};
 use super::text::{Lines, Repeated, columns, field, lossy, shown};
 use crate::error::{Error, Result};
-use crate::structure::{
-    AtomRecord, Cell, Diagnostics, SecondaryElement, StatedBonds, Structure, StructureBuilder, atom_flags,
-};
-use bonds::{Conect, Link, LinkEnd, Serial};
+use crate::structure::{AtomRecord, Cell, Diagnostics, SecondaryElement, StatedBonds, StructureBuilder, atom_flags};
+use bonds::{Budget, Conect, Link, LinkEnd, Serial};
 use element::Guess;
-use glam::DVec3;
+use fields::{charge, no_position_message, position, residue_and_chain, text_of};
 use number::NumberColumn;
-use std::borrow::Cow;
 
 pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
     let mut lines = Lines::new(text, records.limits().line_bytes);
@@ -62,6 +59,9 @@ pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnos
     }
     Ok(())
 }
+
+/// Helices and strands that all records of a file together may hold.
+const MAX_COPIES: usize = 1_000_000;
 
 /// What may occur on many lines.
 #[derive(Debug, Default)]
@@ -124,6 +124,8 @@ struct Reader<'a> {
     /// Records of this entry with their own CONECT, for which bonds are still to be found.
     pending: Vec<(usize, Vec<Conect>)>,
     states_bonds: bool,
+    budget: Budget,
+    copies: Budget,
     oddities: Oddities,
 }
 
@@ -146,6 +148,8 @@ impl<'a> Reader<'a> {
             secondary: Vec::new(),
             pending: Vec::new(),
             states_bonds: false,
+            budget: Budget::default(),
+            copies: Budget::new(MAX_COPIES),
             oddities: Oddities::default(),
         }
     }
@@ -288,7 +292,7 @@ impl<'a> Reader<'a> {
                     self.title.push(' ');
                 }
                 // A title is some lines; a file of nothing but TITLE records must not make it grow without end.
-                if self.title.len() < 10_000 {
+                if self.title.len() < 1000 {
                     self.title.push_str(&text);
                 }
             }
@@ -429,10 +433,13 @@ impl<'a> Reader<'a> {
         builder.set_decimals(self.decimals);
         builder.set_title(self.title.clone());
         builder.set_cell(self.cell);
-        for element in &self.secondary {
-            builder.push_secondary(element.clone());
+        // Every record gets its copy, so that the number of copies is bounded, too.
+        if self.copies.spend(self.secondary.len()) {
+            for element in &self.secondary {
+                builder.push_secondary(element.clone());
+            }
         }
-        let record = records.push_frame(builder.build(diagnostics));
+        let Some(record) = records.push_frame(builder.build(diagnostics)) else { return };
         match self.pending.last() {
             // A further frame of the last record: what the first frame says holds.
             Some(&(last, _)) if last == record => {}
@@ -447,11 +454,9 @@ impl<'a> Reader<'a> {
             if !self.states_bonds {
                 continue;
             }
-            let find = |structure: &Structure, diagnostics: &mut Diagnostics| {
-                bonds::resolve(structure, &[&conects, &self.entry_conects], &self.links, diagnostics)
-            };
             records.update(record, |structure| {
-                let bonds = find(&structure, diagnostics);
+                let lists = [conects.as_slice(), &self.entry_conects];
+                let bonds = bonds::resolve(&structure, &lists, &self.links, &mut self.budget, diagnostics);
                 let mut structure = structure.with_bonds(bonds);
                 structure.stated_bonds = stated;
                 structure
@@ -467,66 +472,6 @@ impl<'a> Reader<'a> {
         self.links.clear();
         self.secondary.clear();
         self.states_bonds = false;
-    }
-}
-
-/// The position and its most decimals; `None` if a coordinate is missing, no number, or absurd.
-#[inline]
-fn position(line: &[u8]) -> Option<(DVec3, u8)> {
-    if line.len() < 47 {
-        return None;
-    }
-    let (x, x_decimals) = parse_f64(field(line, 30, 38))?;
-    let (y, y_decimals) = parse_f64(field(line, 38, 46))?;
-    let (z, z_decimals) = parse_f64(field(line, 46, 54))?;
-    let position = DVec3::new(x, y, z);
-    is_plausible(position).then_some((position, x_decimals.max(y_decimals).max(z_decimals)))
-}
-
-fn no_position_message(line: &[u8]) -> String {
-    if line.len() < 47 {
-        return format!("the atom is left out: its line ends at column {}, before the z coordinate", line.len());
-    }
-    let found = shown(columns(line, 30, 54));
-    format!("the atom is left out: columns 31 to 54 should hold three coordinates, found `{found}`")
-}
-
-/// Residue name and chain identifier, which compete for column 21.
-#[inline]
-fn residue_and_chain(line: &[u8]) -> (&[u8], &[u8]) {
-    if matches!(line.get(20), None | Some(b' ')) {
-        return (field(line, 17, 20), field(line, 21, 22));
-    }
-    let standard = field(line, 17, 20);
-    if standard.len() <= 3 && element::is_polymer(standard) && line.get(21).is_some_and(|&byte| byte != b' ') {
-        return (standard, field(line, 20, 22));
-    }
-    (field(line, 17, 21), field(line, 21, 22))
-}
-
-#[inline]
-fn text_of(bytes: &[u8]) -> Cow<'_, str> {
-    match std::str::from_utf8(bytes) {
-        Ok(text) => Cow::Borrowed(text),
-        Err(_) => lossy(bytes),
-    }
-}
-
-/// A formal charge: a digit and a sign in either order, or a sign alone. Anything else is 0: without a sign it is the
-/// line number of an old file.
-#[inline]
-fn charge(text: &[u8]) -> i8 {
-    let (digit, sign) = match *text {
-        [digit @ b'0'..=b'9', sign] => (digit, sign),
-        [sign @ (b'+' | b'-'), digit @ b'0'..=b'9'] => (digit, sign),
-        [sign @ (b'+' | b'-'), b' '] | [b' ', sign] | [sign] => (b'1', sign),
-        _ => return 0,
-    };
-    let value = (digit - b'0') as i8;
-    match sign {
-        b'+' => value,
-        b'-' => -value,
-        _ => 0,
     }
 }
 

@@ -176,7 +176,7 @@ fn charges_in_all_their_spellings() {
     for (text, want) in
         [("2+", 2), ("1-", -1), ("+2", 2), ("-1", -1), ("+ ", 1), (" -", -1), ("  ", 0), ("12", 0), ("", 0)]
     {
-        assert_eq!(super::charge(text.as_bytes()), want, "{text:?}");
+        assert_eq!(super::fields::charge(text.as_bytes()), want, "{text:?}");
     }
 }
 
