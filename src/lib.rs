@@ -1,5 +1,6 @@
 //! ballstick (crate docs follow)
 
+pub mod bonds;
 pub mod color;
 pub mod element;
 pub mod error;

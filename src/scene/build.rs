@@ -196,8 +196,14 @@ fn build_block(structure: &Structure, options: &SceneOptions) -> Block {
             if let Some(stick_radius) = options.style.stick_radius(bond.kind) {
                 let round_ends = options.style != Style::BallAndStick;
                 let ball_radius: &dyn Fn(u32) -> f32 = &radius_of;
-                let context =
-                    StickContext { positions, neighbours: &neighbours, ball_radius, stick_radius, round_ends };
+                let context = StickContext {
+                    positions,
+                    neighbours: &neighbours,
+                    ball_radius,
+                    stick_radius,
+                    multiple_radius: stick_radius.min(options.style.multiple_radius()),
+                    round_ends,
+                };
                 let template = CylinderInstance {
                     id: last.saturating_add(u32::try_from(index + 1).unwrap_or(u32::MAX)),
                     color_a: colors[bond.a as usize],

@@ -70,6 +70,8 @@ pub(super) struct StickContext<'a> {
     pub(super) ball_radius: &'a dyn Fn(u32) -> f32,
     /// Radius of a single stick in ångström.
     pub(super) stick_radius: f32,
+    /// Radius that the sticks of a multiple bond are proportioned by, in ångström.
+    pub(super) multiple_radius: f32,
     /// Whether sticks without a ball to hide in need round ends.
     pub(super) round_ends: bool,
 }
@@ -108,7 +110,7 @@ impl StickContext<'_> {
     }
 
     fn strands(&self, bond: &Bond, axis: Vec3, single: Strand) -> ([Strand; 4], usize) {
-        let r = self.stick_radius;
+        let r = self.multiple_radius;
         let multiple = bond.aromatic || bond.order >= BondOrder::Double;
         if bond.kind != BondKind::Covalent || !multiple {
             return ([single; 4], 1);
@@ -221,6 +223,7 @@ mod tests {
             neighbours: &neighbours,
             ball_radius: &|_| 0.4,
             stick_radius: 0.13,
+            multiple_radius: 0.13,
             round_ends: false,
         };
         let mut sticks = Vec::new();

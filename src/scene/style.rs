@@ -68,6 +68,16 @@ impl Style {
         // What is no shared electron pair is drawn thin.
         Some(if kind == BondKind::Covalent { full } else { 0.5 * full })
     }
+
+    /// Radius that the sticks of double and triple bonds are proportioned by, in ångström: of a single bond's stick, but
+    /// in licorice so thin that three of them end inside the rounded corner.
+    #[must_use]
+    pub(super) fn multiple_radius(self) -> f32 {
+        match self {
+            Style::Licorice => LICORICE_RADIUS / 1.75,
+            Style::BallAndStick | Style::SpaceFilling | Style::Wireframe => f32::INFINITY,
+        }
+    }
 }
 
 const LICORICE_RADIUS: f32 = 0.22;

@@ -13,9 +13,10 @@ pub mod tiles;
 use super::field::{Field, GroundMap};
 use super::frame::FrameConstants;
 use super::{GBuffer, Image, Renderer, Settings, View};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::Scene;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Draws with all cores.
 #[derive(Default)]
@@ -45,6 +46,16 @@ impl CpuRenderer {
             (*frame, field.ground_map(frame))
         }));
         map.clone()
+    }
+
+    /// As [`Renderer::image`], but gives up with `None` soon after `stop` becomes true.
+    #[must_use]
+    pub fn image_unless(&mut self, view: &View, settings: &Settings, stop: &AtomicBool) -> Option<Image> {
+        let scene = self.scene.clone().unwrap_or_else(|| Arc::new(Scene::from_blocks(Vec::new(), Vec::new())));
+        let frame = FrameConstants::new(&scene, view, settings);
+        let ground_map = self.ground_map(&scene, &frame);
+        let image = tiles::image(&scene, view, settings, &ground_map, stop);
+        (!stop.load(Ordering::Relaxed)).then_some(image)
     }
 }
 
@@ -77,10 +88,8 @@ impl Renderer for CpuRenderer {
     }
 
     fn image(&mut self, view: &View, settings: &Settings) -> Result<Image> {
-        let scene = self.scene.clone().unwrap_or_else(|| Arc::new(Scene::from_blocks(Vec::new(), Vec::new())));
-        let frame = FrameConstants::new(&scene, view, settings);
-        let ground_map = self.ground_map(&scene, &frame);
-        Ok(tiles::image(&scene, view, settings, &ground_map))
+        let image = self.image_unless(view, settings, &AtomicBool::new(false));
+        image.ok_or_else(|| Error::Unsupported("the picture was stopped".to_owned()))
     }
 
     fn gbuffer(&mut self, view: &View) -> Result<GBuffer> {

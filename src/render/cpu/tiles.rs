@@ -16,6 +16,7 @@ use crate::render::{GBuffer, Image, Settings, View};
 use crate::scene::{PixelGrid, Ray, Region, Scene};
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 const PIXELS: usize = (TILE * TILE) as usize;
 const LANES: usize = 8;
@@ -218,9 +219,9 @@ fn with_picture<R>(
     draw(&picture)
 }
 
-/// The finished picture.
+/// The finished picture; unfinished, and of no use, if `stop` became true meanwhile.
 #[must_use]
-pub fn image(scene: &Scene, view: &View, settings: &Settings, ground_map: &GroundMap) -> Image {
+pub fn image(scene: &Scene, view: &View, settings: &Settings, ground_map: &GroundMap, stop: &AtomicBool) -> Image {
     let frame = FrameConstants::new(scene, view, settings);
     let region = view.region();
     let samples = settings.samples.clamp(1, 4096);
@@ -233,7 +234,10 @@ pub fn image(scene: &Scene, view: &View, settings: &Settings, ground_map: &Groun
             let tiles: Vec<_> = (0..across)
                 .into_par_iter()
                 .with_max_len(1)
-                .map(|column| picture.color_tile(tile_row * across + column, samples))
+                .map(|column| match stop.load(Ordering::Relaxed) {
+                    true => [Srgb8::BLACK; PIXELS],
+                    false => picture.color_tile(tile_row * across + column, samples),
+                })
                 .collect();
             for (column, pixels) in tiles.iter().enumerate() {
                 let left = column * TILE as usize;

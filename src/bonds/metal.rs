@@ -1,0 +1,137 @@
+//! Metals: which contacts are bonds, and which of these are coordination.
+//!
+//! A metal bonds to every donor in range, that is to every nonmetal that has electrons left to give and is not merely
+//! the far end of a better donor (the carbon of a carboxylate). An ion, which is a residue of its own, floats unless it
+//! has three donors. Metals bond to metals by distance, but not across the bridges of oxides, sulfides and salts.
+//!
+//! Contacts of d-, f- and s-block metals with donors are [`BondKind::Coordination`] without an order; in rock salt, too:
+//! these sticks show the lattice and six neighbours, not electron pairs. Covalent are metal–metal and metal–hydrogen
+//! sticks, those of p-block metals that are no ions (tetramethyltin, AlCl₃), terminal oxides of high-valent metals
+//! (permanganate, uranyl), and two-coordinate zinc, cadmium and mercury (HgCl₂, dimethylzinc).
+
+use super::contacts::{Contact, Contacts, State};
+use super::rules;
+use super::sites::{Role, Sites};
+use crate::element::Element;
+use crate::structure::BondKind;
+
+/// Donors that an ion needs to bond at all: fewer are chance contacts of a crystal or a simulation.
+const FEWEST_DONORS_OF_ION: usize = 3;
+/// How much farther over its radii an atom may be from the metal than its neighbour that is a donor. Side-on ligands
+/// (peroxide, alkenes, aldehydes) differ by up to 0.05 Å; the carbon of a chelating carboxylate by 0.25 Å (Cd,
+/// Na) to 0.31 Å (U), the nitrogen of a nitrate on lanthanum by 0.4 Å.
+const FAR_END_EXCESS: f32 = 0.15;
+/// Metal–metal bonds under two or more bridges of nonmetals are shorter than the radii by this factor. With: W₂Cl₉³⁻ 0.74,
+/// Fe₂(CO)₉ 0.83, Mo₆Cl₈⁴⁺ 0.84. Without: Fe₂S₂ 0.89, rutile 0.93, wüstite and MgO 1.0.
+const BRIDGED_RATIO: f32 = 0.85;
+/// Under one bridge: gold under thiolates (2.9–3.0 Å, excess up to 0.3 Å) is bonded, metals in a row of Fe–O–Fe are not.
+const BRIDGED_ONCE_EXCESS: f32 = 0.3;
+/// Terminal oxides are shorter than the radii by at least this much: OsO₄ 0.39 Å, MnO₄⁻ 0.66 Å; hydroxide on iron 0.28 Å.
+const TERMINAL_OXIDE_EXCESS: f32 = -0.35;
+
+/// Drops what is no bond of a metal.
+pub(super) fn settle(contacts: &mut Contacts, elements: &[Element], sites: &Sites<'_>) {
+    let metals: Vec<usize> = (0..contacts.atom_count())
+        .filter(|&atom| elements[atom].is_metal() && !contacts.numbers(atom).is_empty())
+        .collect();
+    let mut lost = Vec::new();
+    for &metal in &metals {
+        for (number, contact, other) in contacts.of(metal) {
+            if contact.state == State::Open
+                && !elements[other].is_metal()
+                && !is_donor(contacts, elements, sites, metal, other, contact)
+            {
+                lost.push(number);
+            }
+        }
+    }
+    contacts.drop_all(lost);
+    let mut lost = Vec::new();
+    for &metal in metals.iter().filter(|&&metal| sites.role(metal) == Role::Ion) {
+        let floats =
+            contacts.of(metal).filter(|&(_, _, other)| !elements[other].is_metal()).count() < FEWEST_DONORS_OF_ION;
+        let contacts = contacts.of(metal).filter(|&(_, _, other)| floats || elements[other].is_metal());
+        lost.extend(contacts.map(|(number, ..)| number));
+    }
+    contacts.drop_all(lost);
+    let mut lost = Vec::new();
+    for &metal in &metals {
+        let pairs = contacts.of(metal).filter(|&(_, _, other)| other > metal && elements[other].is_metal());
+        lost.extend(
+            pairs.filter(|(_, contact, _)| is_bridged_apart(contacts, elements, contact)).map(|(number, ..)| number),
+        );
+    }
+    contacts.drop_all(lost);
+}
+
+/// Whether a nonmetal in range of a metal gives it electrons.
+fn is_donor(
+    contacts: &Contacts,
+    elements: &[Element],
+    sites: &Sites<'_>,
+    metal: usize,
+    atom: usize,
+    contact: &Contact,
+) -> bool {
+    let element = elements[atom];
+    if element == Element::H {
+        return true; // the hydrogens have chosen already
+    }
+    // Carbon does not bind the ions of biomolecules; without its hydrogens it would look as if it could.
+    if element == Element::C && sites.role(metal) == Role::Ion {
+        return false;
+    }
+    let partners = || contacts.of(atom).map(|(_, _, other)| other).filter(|&other| !elements[other].is_metal());
+    if rules::is_saturated(element, sites.most_at_once(partners()))
+        || (element.is_halogen() && partners().any(|other| elements[other] == Element::C))
+    {
+        return false;
+    }
+    let is_far_end = |donor: usize| {
+        let is_hetero = matches!(elements[donor].group(), 15..=17);
+        is_hetero
+            && contacts
+                .of(metal)
+                .any(|(_, nearer, other)| other == donor && nearer.excess < contact.excess - FAR_END_EXCESS)
+    };
+    !partners().any(is_far_end)
+}
+
+/// Whether two metals in range are held apart by what is between them.
+fn is_bridged_apart(contacts: &Contacts, elements: &[Element], contact: &Contact) -> bool {
+    let radii = rules::radii(elements[contact.a as usize], elements[contact.b as usize]);
+    let is_bridge = |&(atom, _): &(usize, f32)| !elements[atom].is_metal() && elements[atom] != Element::H;
+    match contacts.common(*contact).filter(is_bridge).count() {
+        0 => false,
+        1 => contact.excess > BRIDGED_ONCE_EXCESS,
+        _ => contact.excess > (BRIDGED_RATIO - 1.0) * radii,
+    }
+}
+
+/// Whether a bond of these two elements is coordination as a rule, nothing else known.
+pub(super) fn is_coordination(a: Element, b: Element) -> bool {
+    let (metal, other) = if a.is_metal() { (a, b) } else { (b, a) };
+    metal.is_metal() && !other.is_metal() && other != Element::H && !matches!(metal.group(), 13..=16)
+}
+
+/// The kind of an inferred bond.
+pub(super) fn kind(contacts: &Contacts, elements: &[Element], sites: &Sites<'_>, contact: &Contact) -> BondKind {
+    let (a, b) = (contact.a as usize, contact.b as usize);
+    if !elements[a].is_metal() && !elements[b].is_metal() {
+        return BondKind::Covalent;
+    }
+    let (metal, other) = if elements[a].is_metal() { (a, b) } else { (b, a) };
+    if sites.role(metal) == Role::Ion && !elements[other].is_metal() && elements[other] != Element::H {
+        return BondKind::Coordination;
+    }
+    let is_terminal_oxide = elements[other] == Element::O
+        && matches!(elements[metal].group(), 0 | 4..=11)
+        && contact.excess <= TERMINAL_OXIDE_EXCESS
+        && contacts.of(other).count() == 1;
+    let is_linear = elements[metal].group() == 12 && contacts.of(metal).count() <= 2;
+    if !is_coordination(elements[a], elements[b]) || is_terminal_oxide || is_linear {
+        BondKind::Covalent
+    } else {
+        BondKind::Coordination
+    }
+}

@@ -1,0 +1,135 @@
+//! What an atom's residue says about its bonds: waters stay waters, ions float, alternate locations keep apart.
+
+use crate::element::Element;
+use crate::structure::{NameId, Residue, Structure, atom_flags};
+
+/// Residue names of water in the PDB and in the common force fields and programs (CHARMM, AMBER, GROMACS, OPLS, Tinker).
+/// A residue counts as water only if all its atoms are O, H or particles: `W` may be tungsten.
+const WATER_NAMES: [&str; 27] = [
+    "HOH", "DOD", "WAT", "H2O", "D2O", "SOL", "TIP", "TIP2", "TIP3", "TIP4", "TIP5", "TIP3P", "TIP4P", "TIP5P", "TP3",
+    "TP4", "TP5", "T3P", "T4P", "SPC", "SPCE", "OPC", "HHO", "OHH", "OH2", "WTR", "W",
+];
+
+/// The part an atom plays by its residue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// None in particular.
+    Plain,
+    /// An atom of a water molecule.
+    Water,
+    /// A metal or halide that is a residue of its own.
+    Ion,
+}
+
+/// The roles of all atoms, and who may meet whom.
+pub(super) struct Sites<'a> {
+    structure: &'a Structure,
+    /// Empty where every atom is plain.
+    roles: Vec<Role>,
+    has_altlocs: bool,
+}
+
+impl<'a> Sites<'a> {
+    /// Reads the residues of a structure.
+    pub(super) fn new(structure: &'a Structure) -> Sites<'a> {
+        Sites { structure, roles: roles(structure), has_altlocs: structure.has_altlocs() }
+    }
+
+    /// The part an atom plays.
+    pub(super) fn role(&self, atom: usize) -> Role {
+        self.roles.get(atom).copied().unwrap_or(Role::Plain)
+    }
+
+    /// Whether two atoms are alternatives: in different alternate locations, so that never both are there.
+    pub(super) fn are_alternatives(&self, a: usize, b: usize) -> bool {
+        if !self.has_altlocs {
+            return false;
+        }
+        let (code_a, code_b) = (self.structure.altloc(a), self.structure.altloc(b));
+        code_a != code_b && code_a != b' ' && code_b != b' '
+    }
+
+    /// How many of these atoms are there at once: those without an alternate location and those of the fullest one.
+    pub(super) fn most_at_once(&self, atoms: impl Iterator<Item = usize> + Clone) -> usize {
+        if !self.has_altlocs {
+            return atoms.count();
+        }
+        let codes = atoms.map(|atom| self.structure.altloc(atom));
+        let of_code = |wanted: u8| codes.clone().filter(|&code| code == wanted).count();
+        let fullest = codes.clone().filter(|&code| code != b' ').map(of_code).max();
+        of_code(b' ') + fullest.unwrap_or(0)
+    }
+
+    /// Whether two atoms may bond as far as residues and alternate locations go.
+    pub(super) fn may_bond(&self, a: usize, b: usize) -> bool {
+        if self.are_alternatives(a, b) {
+            return false;
+        }
+        if self.roles.is_empty() {
+            return true;
+        }
+        let element = |atom: usize| self.structure.elements()[atom];
+        match (self.role(a), self.role(b)) {
+            (Role::Plain, Role::Plain) => true,
+            (Role::Water, Role::Water) => {
+                // O–H of one molecule. Of hydrogens within reach of two oxygens the nearest wins later on.
+                (element(a) == Element::H) != (element(b) == Element::H)
+                    && self.structure.residue_index(a) == self.structure.residue_index(b)
+            }
+            (Role::Water, _) | (_, Role::Water) => false,
+            _ => element(a).is_metal() || element(b).is_metal(),
+        }
+    }
+}
+
+/// The role of every atom; empty if all are plain.
+fn roles(structure: &Structure) -> Vec<Role> {
+    let waters: Vec<NameId> = WATER_NAMES.iter().filter_map(|name| structure.names.find(name)).collect();
+    let residues = structure.residues();
+    let mut roles = Vec::new();
+    let mut ion_atoms = 0;
+    for (index, residue) in residues.iter().enumerate() {
+        let first = residue.first_atom as usize;
+        let end = residues.get(index + 1).map_or(structure.atom_count(), |next| next.first_atom as usize);
+        let role = residue_role(structure, residue, first, end, &waters);
+        if role == Role::Plain || first >= end {
+            continue;
+        }
+        roles.resize(structure.atom_count(), Role::Plain);
+        roles[first..end].fill(role);
+        ion_atoms += if role == Role::Ion { end - first } else { 0 };
+    }
+    // Where most atoms are residues of their own, the file is of a metal or a salt and numbers its atoms so:
+    // there is nothing that they could float beside.
+    if ion_atoms * 2 > structure.atom_count() {
+        for role in &mut roles {
+            if *role == Role::Ion {
+                *role = Role::Plain;
+            }
+        }
+    }
+    roles
+}
+
+fn residue_role(structure: &Structure, residue: &Residue, first: usize, end: usize, waters: &[NameId]) -> Role {
+    let elements = &structure.elements()[first..end];
+    let is_particle = |offset: usize| {
+        structure.flags(first + offset) & atom_flags::PARTICLE != 0 || elements[offset] == Element::DUMMY
+    };
+    if waters.contains(&residue.name) {
+        let is_water_atom = |offset: usize| matches!(elements[offset], Element::O | Element::H) || is_particle(offset);
+        if elements.contains(&Element::O) && (0..elements.len()).all(is_water_atom) {
+            return Role::Water;
+        }
+    }
+    // One ion, maybe in several alternate locations, maybe with its Drude particle.
+    let mut atoms = (0..elements.len()).filter(|&offset| !is_particle(offset));
+    let Some(ion) = atoms.next() else { return Role::Plain };
+    let element = elements[ion];
+    let one_place = |offset: usize| elements[offset] == element && structure.altloc(first + offset) != b' ';
+    let monatomic = match atoms.next() {
+        None => true,
+        Some(second) => one_place(ion) && one_place(second) && atoms.all(one_place),
+    };
+    if monatomic && (element.is_metal() || element.is_halogen()) { Role::Ion } else { Role::Plain }
+}

@@ -1,0 +1,207 @@
+//! Small scenes, one idea each, for golden pictures and for comparing renderers.
+
+use ballstick::color::Srgb8;
+use ballstick::element::Element;
+use ballstick::render::View;
+use ballstick::scene::{
+    Background, Block, Camera, Cap, CylinderInstance, Item, Placement, Projection, Region, Scene, SceneOptions,
+    SphereInstance, Style,
+};
+use ballstick::structure::{AtomRecord, Bond, BondOrder, BondSource, Diagnostics, Structure, StructureBuilder};
+use glam::{Affine3A, DVec3, Quat, Vec3};
+
+/// A scene and how it is looked at.
+pub struct Case {
+    pub name: &'static str,
+    pub scene: Scene,
+    pub view: View,
+}
+
+const WIDTH: u32 = 128;
+const HEIGHT: u32 = 96;
+
+fn sphere(center: Vec3, radius: f32, rgb: u32, id: u32) -> SphereInstance {
+    SphereInstance { center: center.to_array(), radius, color: Srgb8::from_rgb_u32(rgb), id }
+}
+
+fn stick(a: Vec3, b: Vec3, radius: f32, caps: (Cap, Cap), id: u32) -> CylinderInstance {
+    CylinderInstance {
+        a: a.to_array(),
+        radius,
+        b: b.to_array(),
+        id,
+        color_a: Srgb8::from_rgb_u32(0x30_50_F8),
+        color_b: Srgb8::from_rgb_u32(0xFF_8C_00),
+        caps: CylinderInstance::pack_caps(caps.0, caps.1),
+        reserved: 0,
+    }
+}
+
+fn scene_of(spheres: Vec<SphereInstance>, cylinders: Vec<CylinderInstance>) -> Scene {
+    let id_count = (spheres.len() + cylinders.len()) as u32;
+    let block = Block { spheres, cylinders, id_count };
+    let placement = Placement { block: 0, world_from_block: Affine3A::IDENTITY, first_id: 0 };
+    Scene::from_blocks(vec![block], vec![placement])
+}
+
+/// A camera on the z axis that looks at the origin.
+fn camera(distance: f32, projection: Projection, near: f32) -> Camera {
+    Camera {
+        eye: Vec3::new(0.0, 0.0, distance),
+        world_from_view: Quat::IDENTITY,
+        projection,
+        near,
+        far: distance + 100.0,
+        target: Vec3::ZERO,
+    }
+}
+
+fn perspective(fov_deg: f32) -> Projection {
+    Projection::Perspective { fov_y_rad: fov_deg.to_radians() }
+}
+
+fn case(name: &'static str, scene: Scene, camera: Camera) -> Case {
+    Case { name, scene, view: View::new(camera, WIDTH, HEIGHT) }
+}
+
+/// A molecule from elements, positions and bonds.
+pub fn molecule(atoms: &[(u8, [f64; 3])], bonds: &[(u32, u32, u32)]) -> Structure {
+    let mut builder = StructureBuilder::new();
+    for &(z, position) in atoms {
+        let element = Element::from_z(z).unwrap();
+        builder.push_atom(&AtomRecord { element, position: DVec3::from(position), ..AtomRecord::default() });
+    }
+    for &(a, b, order) in bonds {
+        builder.push_bond(Bond::new(a, b, BondOrder::from_number(order), BondSource::File));
+    }
+    builder.build(&mut Diagnostics::default())
+}
+
+/// Acrolein with a nitrile: single, double and triple bonds, hydrogens, oxygen, nitrogen.
+pub fn small_molecule() -> Structure {
+    molecule(
+        &[
+            (6, [0.0, 0.0, 0.0]),
+            (6, [1.34, 0.0, 0.1]),
+            (6, [2.1, 1.25, 0.0]),
+            (8, [3.3, 1.25, 0.1]),
+            (1, [1.55, 2.2, -0.1]),
+            (1, [1.9, -0.93, 0.1]),
+            (1, [-0.55, 0.93, 0.0]),
+            (6, [-0.8, -1.2, -0.2]),
+            (7, [-1.4, -2.2, -0.3]),
+        ],
+        &[(0, 1, 2), (1, 2, 1), (2, 3, 2), (2, 4, 1), (1, 5, 1), (0, 6, 1), (0, 7, 1), (7, 8, 3)],
+    )
+}
+
+fn fitted(name: &'static str, options: &SceneOptions) -> Case {
+    let structure = small_molecule();
+    let scene = Scene::new(&[Item::of(&structure)], options);
+    let view = View::new(scene.fitted_camera(WIDTH as f32 / HEIGHT as f32), WIDTH, HEIGHT);
+    Case { name, scene, view }
+}
+
+/// All cases.
+pub fn all() -> Vec<Case> {
+    let flat = (Cap::Flat, Cap::Flat);
+    let ball = |center, radius| scene_of(vec![sphere(center, radius, 0xC0_40_40, 1)], vec![]);
+    let bare = SceneOptions { ground: false, ..SceneOptions::default() };
+    let mut cases = vec![
+        case("sphere_perspective", ball(Vec3::ZERO, 1.0), camera(5.0, perspective(30.0), 0.1)),
+        case("sphere_orthographic", ball(Vec3::ZERO, 1.0), camera(5.0, Projection::Orthographic { height: 3.0 }, 0.1)),
+        case("sphere_off_centre", ball(Vec3::new(4.2, 2.6, 0.0), 1.0), camera(4.0, perspective(80.0), 0.1)),
+        case("sphere_camera_inside", ball(Vec3::ZERO, 10.0), camera(2.0, perspective(60.0), 0.1)),
+        case("sphere_near_cut", ball(Vec3::ZERO, 1.0), camera(3.0, perspective(50.0), 2.4)),
+        case("spheres_intersecting", two_balls(), camera(6.0, perspective(30.0), 0.1)),
+        case("sticks_along_axes", axes(flat), camera(7.0, perspective(35.0), 0.1)),
+        case("sticks_along_axes_orthographic", axes(flat), camera(7.0, Projection::Orthographic { height: 4.4 }, 0.1)),
+        case("stick_at_camera", end_on(flat), camera(4.0, perspective(40.0), 0.1)),
+        case("stick_at_camera_orthographic", end_on(flat), camera(4.0, Projection::Orthographic { height: 2.0 }, 0.1)),
+        case("stick_near_cut", end_on(flat), camera(3.0, perspective(60.0), 2.2)),
+        case("stick_camera_inside", thick_stick(), camera(0.5, perspective(60.0), 0.1)),
+        case("sticks_round", axes((Cap::Round, Cap::Round)), camera(7.0, perspective(35.0), 0.1)),
+        case("sticks_open", axes((Cap::None, Cap::None)), camera(7.0, perspective(35.0), 0.1)),
+        case("sticks_mixed_caps", axes((Cap::Round, Cap::None)), camera(7.0, perspective(35.0), 0.1)),
+        case("nothing", scene_of(vec![], vec![]), camera(5.0, perspective(30.0), 0.1)),
+        case("zero_length_stick", zero_length(), camera(5.0, perspective(30.0), 0.1)),
+        case("placements", placements(), camera(9.0, perspective(35.0), 0.1)),
+        fitted("molecule", &bare),
+        fitted("molecule_on_ground", &SceneOptions::default()),
+        fitted("molecule_orthographic", &SceneOptions { perspective: false, ..SceneOptions::default() }),
+        fitted("molecule_licorice", &SceneOptions { style: Style::Licorice, ..bare }),
+        fitted("molecule_space_filling", &SceneOptions { style: Style::SpaceFilling, ..SceneOptions::default() }),
+        fitted("molecule_wireframe", &SceneOptions { style: Style::Wireframe, ..bare }),
+        fitted(
+            "molecule_transparent",
+            &SceneOptions { background: Background::Transparent, ..SceneOptions::default() },
+        ),
+        fitted(
+            "molecule_dark",
+            &SceneOptions { background: Background::Color(Srgb8::rgb(20, 24, 32)), ..SceneOptions::default() },
+        ),
+        fogged(),
+    ];
+    let mut part = fitted("molecule_region", &SceneOptions::default());
+    (part.view.width, part.view.height) = (512, 384);
+    part.view.region = Some(Region { x: 170, y: 150, width: WIDTH, height: HEIGHT });
+    cases.push(part);
+    cases
+}
+
+fn two_balls() -> Scene {
+    let balls = vec![
+        sphere(Vec3::new(-0.5, 0.0, 0.0), 1.0, 0xFF_0D_0D, 1),
+        sphere(Vec3::new(0.5, 0.2, 0.3), 0.8, 0x90_90_90, 2),
+    ];
+    scene_of(balls, vec![])
+}
+
+/// Six sticks from the origin along ±x ±y ±z, and one askew.
+fn axes(caps: (Cap, Cap)) -> Scene {
+    let directions = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z, Vec3::new(0.7, 0.7, 0.2)];
+    let sticks =
+        directions.iter().enumerate().map(|(i, &d)| stick(d * 0.5, d * 1.8, 0.25, caps, i as u32 + 1)).collect();
+    scene_of(vec![], sticks)
+}
+
+fn end_on(caps: (Cap, Cap)) -> Scene {
+    scene_of(vec![], vec![stick(Vec3::new(0.0, 0.0, -2.0), Vec3::Z, 0.4, caps, 1)])
+}
+
+fn thick_stick() -> Scene {
+    scene_of(vec![], vec![stick(Vec3::NEG_X * 3.0, Vec3::X * 3.0, 2.0, (Cap::Flat, Cap::Flat), 1)])
+}
+
+fn zero_length() -> Scene {
+    let nothing = stick(Vec3::ONE * 0.3, Vec3::ONE * 0.3, 0.3, (Cap::Round, Cap::Round), 2);
+    scene_of(vec![sphere(Vec3::ZERO, 0.5, 0x3D_FF_00, 1)], vec![nothing])
+}
+
+/// One block placed three times, turned and mirrored.
+fn placements() -> Scene {
+    let block = Block {
+        spheres: vec![sphere(Vec3::ZERO, 0.5, 0xFF_0D_0D, 1), sphere(Vec3::X, 0.3, 0xFF_FF_FF, 2)],
+        cylinders: vec![stick(Vec3::ZERO, Vec3::X, 0.12, (Cap::Flat, Cap::Flat), 3)],
+        id_count: 3,
+    };
+    let mirrored = Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0));
+    let places = [
+        Affine3A::from_translation(Vec3::new(-1.5, 1.0, 0.0)),
+        Affine3A::from_translation(Vec3::new(1.0, 1.0, 0.0)) * Affine3A::from_rotation_z(2.0),
+        Affine3A::from_translation(Vec3::new(0.0, -1.2, 0.5)) * mirrored,
+    ];
+    let placements = places
+        .iter()
+        .enumerate()
+        .map(|(i, &world_from_block)| Placement { block: 0, world_from_block, first_id: 3 * i as u32 })
+        .collect();
+    Scene::from_blocks(vec![block], placements)
+}
+
+/// A row of balls 80 Å deep.
+fn fogged() -> Case {
+    let balls =
+        (0..9).map(|i| sphere(Vec3::new(i as f32 * 6.0 - 24.0, 0.0, 40.0 - i as f32 * 10.0), 4.0, 0xFF_0D_0D, i + 1));
+    case("fog", scene_of(balls.collect(), vec![]), camera(120.0, perspective(35.0), 1.0))
+}
