@@ -124,6 +124,17 @@ impl FrameConstants {
         }
     }
 
+    /// Whether the ground maps of the two are the same, for one set of primitives.
+    #[must_use]
+    pub fn same_ground_map(&self, other: &FrameConstants) -> bool {
+        self.ground == other.ground
+            && self.ground_map == other.ground_map
+            && self.ground_map_size == other.ground_map_size
+            && self.key_in_world == other.key_in_world
+            && self.bounds_min == other.bounds_min
+            && self.bounds_max == other.bounds_max
+    }
+
     /// Whether there is a ground, and light that can reach it from above.
     #[must_use]
     pub fn has_ground(&self) -> bool {

@@ -5,6 +5,9 @@
 //! and corrupted ones; `golden` small pictures, one idea each; `parity` CPU against GPU; `shaders` WGSL without a GPU; `cli` the program
 //! as a user runs it; `window` the window under a virtual display.
 
+mod bad_input;
+mod cli;
+mod corpus;
 mod golden;
 mod layering;
 mod scenes;

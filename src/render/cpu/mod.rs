@@ -40,7 +40,7 @@ impl CpuRenderer {
         if !frame.has_ground() {
             return GroundMap::none();
         }
-        let kept = self.ground_map.take().filter(|(old, _)| same_ground(old, frame));
+        let kept = self.ground_map.take().filter(|(old, _)| old.same_ground_map(frame));
         let (_, map) = self.ground_map.insert(kept.unwrap_or_else(|| {
             let field = self.field.get_or_insert_with(|| Field::new(scene));
             (*frame, field.ground_map(frame))
@@ -57,16 +57,6 @@ impl CpuRenderer {
         let image = tiles::image(&scene, view, settings, &ground_map, stop);
         (!stop.load(Ordering::Relaxed)).then_some(image)
     }
-}
-
-/// Whether two frames have the same ground map.
-fn same_ground(a: &FrameConstants, b: &FrameConstants) -> bool {
-    a.ground == b.ground
-        && a.ground_map == b.ground_map
-        && a.ground_map_size == b.ground_map_size
-        && a.key_in_world == b.key_in_world
-        && a.bounds_min == b.bounds_min
-        && a.bounds_max == b.bounds_max
 }
 
 impl Renderer for CpuRenderer {

@@ -1,0 +1,64 @@
+// Cylinders of one sample: a quad an instance, an exact ray intersection a fragment.
+#import "normal.wgsl"
+#import "geometry.wgsl"
+
+struct CylinderVertex {
+    @builtin(position) position: vec4<f32>,
+    // Centre in view space, half length.
+    @location(0) @interpolate(flat, either) center: vec4<f32>,
+    // The rotation camera_to_cylinder by rows; in the first row's w the radius.
+    @location(1) @interpolate(flat, either) row_x: vec4<f32>,
+    @location(2) @interpolate(flat, either) row_y: vec3<f32>,
+    @location(3) @interpolate(flat, either) row_z: vec3<f32>,
+    // Colours of the halves a and b, caps, id.
+    @location(4) @interpolate(flat, either) look: vec4<u32>,
+}
+
+@vertex
+fn vs_cylinder(
+    @builtin(vertex_index) corner: u32,
+    @location(0) a_radius: vec4<f32>,
+    @location(1) b_block: vec3<f32>,
+    @location(2) id: u32,
+    @location(3) colors_caps: vec3<u32>,
+) -> CylinderVertex {
+    // Twin of Cylinder::new.
+    let a_block = a_radius.xyz;
+    let radius = a_radius.w;
+    let between = view_vector(b_block - a_block);
+    let length = length(between);
+    let is_solid = length > 1e-12 && radius > 0.0;
+    let axis = between / select(1.0, length, is_solid);
+    let center = view_point((a_block + b_block) * 0.5);
+    let half_length = length * 0.5;
+    let camera_to_cylinder = rotation_to_y(select(vec3<f32>(0.0, 1.0, 0.0), axis, is_solid));
+
+    let a = center - axis * half_length;
+    let b = center + axis * half_length;
+    let caps = colors_caps.z;
+    var rect = cylinder_rect(a, b, axis, radius, has_cap(caps, 0u, 2u), has_cap(caps, 1u, 2u), frame.depth.z);
+    rect.seen = rect.seen && is_solid;
+    var vertex: CylinderVertex;
+    vertex.position = quad_corner(rect, corner, min(-a.z, -b.z) - radius);
+    vertex.center = vec4<f32>(center, half_length);
+    vertex.row_x = vec4<f32>(camera_to_cylinder[0], radius);
+    vertex.row_y = camera_to_cylinder[1];
+    vertex.row_z = camera_to_cylinder[2];
+    vertex.look = vec4<u32>(colors_caps, placed_id(id));
+    return vertex;
+}
+
+@fragment
+fn fs_cylinder(vertex: CylinderVertex) -> Surface {
+    let ray = pixel_ray(vertex.position, one_sample.offset);
+    let cylinder = Cylinder(
+        vertex.center.xyz, vertex.row_x.xyz, vertex.row_y, vertex.row_z, vertex.center.w, vertex.row_x.w, vertex.look.z,
+    );
+    let near = frame.depth.z;
+    let t = cylinder_t(ray, cylinder, near);
+    if !(t < NO_HIT) {
+        discard;
+    }
+    let rgb = select(vertex.look.x, vertex.look.y, cylinder_half(ray, cylinder, t));
+    return surface(vertex.look.w, t, cylinder_normal(ray, cylinder, near, t), rgb);
+}

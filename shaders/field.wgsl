@@ -1,0 +1,159 @@
+// The scene's signed distance field over its hierarchy: the twins of src/render/field.rs and Hierarchy::visit. Boxes and
+// primitives are texels in rows of 2048: two a box (lower corner; upper corner), and two a primitive in the hierarchy's
+// order (centre, radius; unit axis, half length). A sphere is a cylinder of no length and no axis. A radius below 0 marks a
+// round end a, a half length below 0 a round end b.
+#import "common.wgsl"
+
+struct FieldConstants {
+    // Where each level of the hierarchy starts, four levels a row; the last entry is the end.
+    levels: array<vec4<u32>, 5>,
+    // x: number of levels, y: number of primitives.
+    counts: vec4<u32>,
+}
+
+@group(1) @binding(0) var<uniform> field: FieldConstants;
+@group(1) @binding(1) var boxes: texture_2d<f32>;
+@group(1) @binding(2) var primitives: texture_2d<f32>;
+
+const WIDTH: u32 = 4u;
+
+fn texel_at(index: u32) -> vec2<u32> {
+    return vec2<u32>(index & 2047u, index >> 11u);
+}
+
+fn level_start(level: u32) -> u32 {
+    return field.levels[level >> 2u][level & 3u];
+}
+
+// Twin of sphere_distance and cylinder_distance.
+fn primitive_distance(index: u32, p: vec3<f32>) -> f32 {
+    let first = textureLoad(primitives, texel_at(2u * index), 0);
+    let second = textureLoad(primitives, texel_at(2u * index + 1u), 0);
+    let radius = abs(first.w);
+    let from_center = p - first.xyz;
+    let y = dot(from_center, second.xyz);
+    let across = length(from_center - second.xyz * y);
+    let beyond = abs(y) - abs(second.w);
+    let is_round = select(first.w < 0.0, second.w < 0.0, y > 0.0);
+    if is_round {
+        let up = max(beyond, 0.0);
+        return sqrt(across * across + up * up) - radius;
+    }
+    let out = across - radius;
+    return min(max(out, beyond), 0.0) + length(max(vec2<f32>(out, beyond), vec2<f32>(0.0)));
+}
+
+// Twin of nearest_on_way; a sphere has no axis, so that its centre counts.
+fn nearest_on_way(index: u32, p: vec3<f32>, direction: vec3<f32>) -> f32 {
+    let center = textureLoad(primitives, texel_at(2u * index), 0).xyz;
+    let second = textureLoad(primitives, texel_at(2u * index + 1u), 0);
+    let to_center = center - p;
+    let along = dot(direction, to_center);
+    let across = dot(second.xyz, to_center);
+    let cosine = dot(direction, second.xyz);
+    let sine_squared = 1.0 - cosine * cosine;
+    let s = select(0.0, (cosine * along - across) / max(sine_squared, 1e-6), sine_squared > 1e-6);
+    return along + cosine * clamp(s, -abs(second.w), abs(second.w));
+}
+
+// What is asked of the field: the distance at a point, or the least light on the way from it.
+struct Query {
+    p: vec3<f32>,
+    // Unit direction of the way; zero asks for the distance.
+    direction: vec3<f32>,
+    // The way starts here.
+    start: f32,
+    sharpness: f32,
+}
+
+fn is_way(query: Query) -> bool {
+    return query.sharpness > 0.0;
+}
+
+// No primitive of a box answers with less than this.
+fn box_bound(index: u32, query: Query) -> f32 {
+    let low = textureLoad(boxes, texel_at(2u * index), 0).xyz;
+    let high = textureLoad(boxes, texel_at(2u * index + 1u), 0).xyz;
+    if is_way(query) {
+        let center = (low + high) * 0.5 - query.p;
+        let radius = length(high - low) * 0.5;
+        let t = dot(center, query.direction);
+        let beside = length(center - query.direction * t) - radius;
+        let farthest = t + radius;
+        return select(NO_HIT, query.sharpness * beside / farthest, farthest > 0.0);
+    }
+    // Twin of Aabb::distance. Inside a box the distance to what it holds may be negative: it is always entered.
+    let distance = length(max(max(low - query.p, query.p - high), vec3<f32>(0.0)));
+    return select(distance, -NO_HIT, distance == 0.0);
+}
+
+fn answer(index: u32, query: Query) -> f32 {
+    if is_way(query) {
+        let t = max(nearest_on_way(index, query.p, query.direction), query.start);
+        return max(query.sharpness * primitive_distance(index, query.p + query.direction * t) / t, 0.0);
+    }
+    return primitive_distance(index, query.p);
+}
+
+// The smallest answer below `limit`, else `limit`. Twin of Hierarchy::visit: nearest first.
+fn visit(query: Query, limit: f32) -> f32 {
+    var best = limit;
+    if field.counts.y == 0u {
+        return best;
+    }
+    let top = field.counts.x - 1u;
+    // Every level leaves at most WIDTH - 1 nodes waiting; 16 levels hold 4^17 primitives.
+    var node_at: array<u32, 64>;
+    var level_at: array<u32, 64>;
+    var bound_at: array<f32, 64>;
+    node_at[0] = 0u;
+    level_at[0] = top;
+    bound_at[0] = box_bound(level_start(top), query);
+    var waiting = 1u;
+    while waiting > 0u {
+        waiting -= 1u;
+        let level = level_at[waiting];
+        let node = node_at[waiting];
+        if bound_at[waiting] >= best {
+            continue;
+        }
+        if level == 0u {
+            let last = min((node + 1u) * WIDTH, field.counts.y);
+            for (var i = node * WIDTH; i < last; i++) {
+                best = min(best, answer(i, query));
+            }
+            if is_way(query) && best <= 0.0 {
+                return 0.0;
+            }
+            continue;
+        }
+        let start = level_start(level - 1u);
+        let last = min(start + (node + 1u) * WIDTH, level_start(level));
+        let base = waiting;
+        for (var child = start + node * WIDTH; child < last; child++) {
+            let bound = box_bound(child, query);
+            if bound < best {
+                var at = waiting;
+                while at > base {
+                    if bound_at[at - 1u] >= bound {
+                        break;
+                    }
+                    node_at[at] = node_at[at - 1u];
+                    level_at[at] = level_at[at - 1u];
+                    bound_at[at] = bound_at[at - 1u];
+                    at -= 1u;
+                }
+                node_at[at] = child - start;
+                level_at[at] = level - 1u;
+                bound_at[at] = bound;
+                waiting += 1u;
+            }
+        }
+    }
+    return best;
+}
+
+// Twin of Field::map without the primitive; asks only what is nearer than `limit`.
+fn map(p: vec3<f32>, limit: f32) -> f32 {
+    return visit(Query(p, vec3<f32>(0.0), 0.0, 0.0), limit);
+}

@@ -1,0 +1,58 @@
+// Light and colour: the twins of src/render/frame.rs and of GroundMap::at. Comments stand there.
+#import "common.wgsl"
+
+struct VisibleSurface {
+    depth: f32,
+    normal: vec3<f32>,
+    albedo: vec3<f32>,
+}
+
+fn shade_surface(point: VisibleSurface, direction: vec3<f32>) -> vec3<f32> {
+    let n = point.normal;
+    let to_eye = -direction * (1.0 / sqrt(dot(direction, direction)));
+    let key = frame.key.xyz;
+    let lambert = frame.key.w * max(dot(n, key), 0.0) + frame.fill.w * max(dot(n, frame.fill.xyz), 0.0);
+    let facing_up = 0.5 + 0.5 * dot(n, frame.up.xyz);
+    let ambient = frame.ambient.x + (frame.up.w - frame.ambient.x) * facing_up;
+    let half_sum = key + to_eye;
+    let half_way = half_sum * (1.0 / sqrt(max(dot(half_sum, half_sum), 1e-12)));
+    let lit = select(0.0, 1.0, dot(n, key) > 0.0);
+    let highlight = lit * frame.ambient.y * pow(max(dot(n, half_way), 1e-6), frame.ambient.z);
+    let color = point.albedo * (ambient + lambert) + highlight;
+    let fog = frame.background.w * clamp((point.depth - frame.depth.x) * frame.depth.y, 0.0, 1.0);
+    return color + (frame.background.xyz - color) * fog;
+}
+
+fn is_transparent() -> bool {
+    return frame.ambient.w > 0.5;
+}
+
+fn shade_ground(point_in_world: vec3<f32>, visible: f32, open: f32) -> vec4<f32> {
+    let dx = point_in_world.x - frame.ground_center.x;
+    let dz = point_in_world.z - frame.ground_center.y;
+    let far = clamp((sqrt(dx * dx + dz * dz) - frame.ground.y) * frame.ground.z, 0.0, 1.0);
+    let fade = 1.0 - far * far * (3.0 - 2.0 * far);
+    let light = (1.0 - frame.ground_center.z * (1.0 - visible)) * (1.0 - frame.ground_center.w * (1.0 - open));
+    if is_transparent() {
+        return vec4<f32>(0.0, 0.0, 0.0, fade * (1.0 - light));
+    }
+    let background = frame.background.xyz;
+    return vec4<f32>(background + (frame.ground_color.xyz * light - background) * fade, 1.0);
+}
+
+fn shade_background() -> vec4<f32> {
+    return select(vec4<f32>(frame.background.xyz, 1.0), vec4<f32>(0.0), is_transparent());
+}
+
+fn ground_t(origin: vec3<f32>, direction: vec3<f32>) -> f32 {
+    if !(frame.ground_color.w > 0.5) || direction.y > -1e-6 || origin.y <= frame.ground.x {
+        return NO_HIT;
+    }
+    let t = (frame.ground.x - origin.y) / direction.y;
+    return select(NO_HIT, t, t >= frame.depth.z);
+}
+
+// Depth at which a view ray meets the ground.
+fn ground_depth(ray: Ray) -> f32 {
+    return ground_t(world_point(ray.origin), world_vector(ray.direction));
+}

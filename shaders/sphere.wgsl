@@ -1,0 +1,39 @@
+// Spheres of one sample: a quad an instance, an exact ray intersection a fragment.
+#import "intersect.wgsl"
+#import "geometry.wgsl"
+
+struct SphereVertex {
+    @builtin(position) position: vec4<f32>,
+    // Centre in view space, radius.
+    @location(0) @interpolate(flat, either) ball: vec4<f32>,
+    // Colour, id.
+    @location(1) @interpolate(flat, either) look: vec2<u32>,
+}
+
+@vertex
+fn vs_sphere(
+    @builtin(vertex_index) corner: u32,
+    @location(0) center_radius: vec4<f32>,
+    @location(1) color_id: vec2<u32>,
+) -> SphereVertex {
+    let center = view_point(center_radius.xyz);
+    let radius = center_radius.w;
+    let rect = sphere_rect(center, radius, frame.depth.z);
+    var vertex: SphereVertex;
+    vertex.position = quad_corner(rect, corner, -center.z - radius);
+    vertex.ball = vec4<f32>(center, radius);
+    vertex.look = vec2<u32>(color_id.x, placed_id(color_id.y));
+    return vertex;
+}
+
+@fragment
+fn fs_sphere(vertex: SphereVertex) -> Surface {
+    let ray = pixel_ray(vertex.position, one_sample.offset);
+    let sphere = Sphere(vertex.ball.xyz, vertex.ball.w);
+    let near = frame.depth.z;
+    let t = sphere_t(ray, sphere, near);
+    if !(t < NO_HIT) {
+        discard;
+    }
+    return surface(vertex.look.y, t, sphere_normal(ray, sphere, near, t), vertex.look.x);
+}

@@ -1,0 +1,190 @@
+//! Bind group layouts and pipelines: all there are, built once.
+
+use super::device::Gpu;
+use super::layout::{
+    CYLINDER_ATTRIBUTES, DEPTH_FORMAT, FRAME_BYTES, FieldConstants, GROUND_FORMAT, IMAGE_FORMAT, PlacementConstants,
+    SPHERE_ATTRIBUTES, SUM_FORMAT, SURFACE_FORMAT, SampleConstants,
+};
+use super::shaders;
+use crate::error::Result;
+use crate::scene::{CylinderInstance, SphereInstance};
+use std::num::NonZeroU64;
+
+/// Immutable for the life of the device.
+#[derive(Debug)]
+pub(super) struct Pipelines {
+    /// Group 0 of every pass: frame and sample constants.
+    pub(super) frame_layout: wgpu::BindGroupLayout,
+    /// Group 1 of the geometry pass: a placement, by dynamic offset.
+    pub(super) placement_layout: wgpu::BindGroupLayout,
+    /// Group 1 of the shade pass: surfaces and the sum before.
+    pub(super) shade_layout: wgpu::BindGroupLayout,
+    /// Group 1 of the resolve pass: sums and the ground's light.
+    pub(super) resolve_layout: wgpu::BindGroupLayout,
+    /// Group 1 of the ground pass: the distance field.
+    pub(super) field_layout: wgpu::BindGroupLayout,
+    pub(super) spheres: wgpu::RenderPipeline,
+    pub(super) cylinders: wgpu::RenderPipeline,
+    pub(super) ground_map: wgpu::RenderPipeline,
+    pub(super) shade: wgpu::RenderPipeline,
+    pub(super) resolve: wgpu::RenderPipeline,
+}
+
+fn uniform(binding: u32, bytes: u64, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset,
+            min_binding_size: NonZeroU64::new(bytes),
+        },
+        count: None,
+    }
+}
+
+fn texture(binding: u32, sample_type: wgpu::TextureSampleType) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+        count: None,
+    }
+}
+
+impl Pipelines {
+    pub(super) fn new(gpu: &Gpu) -> Result<Pipelines> {
+        gpu.guard("building the pipelines", || Pipelines::build(gpu))
+    }
+
+    fn build(gpu: &Gpu) -> Result<Pipelines> {
+        let layout = |label: &str, entries: &[wgpu::BindGroupLayoutEntry]| {
+            gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
+        };
+        let words = wgpu::TextureSampleType::Uint;
+        let floats = wgpu::TextureSampleType::Float { filterable: false };
+        let frame_layout =
+            layout("frame", &[uniform(0, FRAME_BYTES, false), uniform(1, size_of::<SampleConstants>() as u64, false)]);
+        let placement_layout = layout("placement", &[uniform(0, size_of::<PlacementConstants>() as u64, true)]);
+        let shade_layout = layout("shade", &[texture(0, words), texture(1, words)]);
+        let resolve_layout = layout("resolve", &[texture(0, words), texture(1, words)]);
+        let field_layout = layout(
+            "field",
+            &[uniform(0, size_of::<FieldConstants>() as u64, false), texture(1, floats), texture(2, floats)],
+        );
+
+        let sphere_module = module(gpu, "sphere.wgsl")?;
+        let cylinder_module = module(gpu, "cylinder.wgsl")?;
+        let sphere_buffer = wgpu::VertexBufferLayout {
+            array_stride: size_of::<SphereInstance>() as u64,
+            step_mode: wgpu::VertexStepMode::Instance,
+            attributes: &SPHERE_ATTRIBUTES,
+        };
+        let cylinder_buffer = wgpu::VertexBufferLayout {
+            array_stride: size_of::<CylinderInstance>() as u64,
+            step_mode: wgpu::VertexStepMode::Instance,
+            attributes: &CYLINDER_ATTRIBUTES,
+        };
+        let groups = [&frame_layout, &placement_layout];
+        let solid = |label: &str, module: &wgpu::ShaderModule, buffer| {
+            let entries = [format!("vs_{label}"), format!("fs_{label}")];
+            pipeline(gpu, label, module, [&entries[0], &entries[1]], Some(buffer), SURFACE_FORMAT, &groups)
+        };
+        let spheres = solid("sphere", &sphere_module, sphere_buffer);
+        let cylinders = solid("cylinder", &cylinder_module, cylinder_buffer);
+
+        let full = |label: &str, file: &str, entry: &str, format, group| -> Result<wgpu::RenderPipeline> {
+            let module = module(gpu, file)?;
+            Ok(pipeline(gpu, label, &module, ["vs_fullscreen", entry], None, format, &[&frame_layout, group]))
+        };
+        Ok(Pipelines {
+            spheres,
+            cylinders,
+            ground_map: full("ground map", "ground_map.wgsl", "fs_ground_map", GROUND_FORMAT, &field_layout)?,
+            shade: full("shade", "shade_pass.wgsl", "fs_shade", SUM_FORMAT, &shade_layout)?,
+            resolve: full("resolve", "resolve.wgsl", "fs_resolve", IMAGE_FORMAT, &resolve_layout)?,
+            frame_layout,
+            placement_layout,
+            shade_layout,
+            resolve_layout,
+            field_layout,
+        })
+    }
+
+    /// The pipeline that writes to a window's surface of this format.
+    pub(super) fn present(&self, gpu: &Gpu, format: wgpu::TextureFormat) -> Result<wgpu::RenderPipeline> {
+        gpu.guard("building the window's pipeline", || {
+            let entry = if format.is_srgb() { "fs_present_linear" } else { "fs_present" };
+            let module = module(gpu, "resolve.wgsl")?;
+            let groups = [&self.frame_layout, &self.resolve_layout];
+            Ok(pipeline(gpu, "present", &module, ["vs_fullscreen", entry], None, format, &groups))
+        })
+    }
+}
+
+fn module(gpu: &Gpu, name: &str) -> Result<wgpu::ShaderModule> {
+    let source = shaders::source(name)?;
+    Ok(gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(name),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    }))
+}
+
+/// A pipeline that draws instances with depth where it has an instance buffer, else one triangle over the target.
+fn pipeline(
+    gpu: &Gpu,
+    label: &str,
+    module: &wgpu::ShaderModule,
+    entries: [&str; 2],
+    instances: Option<wgpu::VertexBufferLayout<'_>>,
+    format: wgpu::TextureFormat,
+    groups: &[&wgpu::BindGroupLayout],
+) -> wgpu::RenderPipeline {
+    let groups: Vec<_> = groups.iter().map(|&group| Some(group)).collect();
+    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(label),
+        bind_group_layouts: &groups,
+        immediate_size: 0,
+    });
+    let is_geometry = instances.is_some();
+    let buffers: Vec<_> = instances.into_iter().map(Some).collect();
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(label),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some(entries[0]),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &buffers,
+        },
+        primitive: wgpu::PrimitiveState {
+            topology: if is_geometry {
+                wgpu::PrimitiveTopology::TriangleStrip
+            } else {
+                wgpu::PrimitiveTopology::TriangleList
+            },
+            ..wgpu::PrimitiveState::default()
+        },
+        depth_stencil: is_geometry.then(|| wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(true),
+            // Reversed depth; of equals the first drawn stays, as the reference has it.
+            depth_compare: Some(wgpu::CompareFunction::Greater),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(entries[1]),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(wgpu::ColorTargetState { format, blend: None, write_mask: wgpu::ColorWrites::ALL })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

@@ -1,0 +1,180 @@
+//! Pictures in a window: the same samples, added up from frame to frame and shown as they come.
+
+use super::adapter;
+use super::device::{Gpu, view_of};
+use super::targets::Targets;
+use super::{AdapterWish, GpuRenderer, instance};
+use crate::error::{Error, Result};
+use crate::render::{Settings, View};
+use crate::scene::Region;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// What a [`GpuRenderer`] shows its pictures on.
+#[derive(Debug)]
+pub struct WindowSurface {
+    surface: wgpu::Surface<'static>,
+    configuration: wgpu::SurfaceConfiguration,
+    pipeline: wgpu::RenderPipeline,
+    /// Holds the sum of samples from frame to frame.
+    targets: Option<(Targets, [u32; 2])>,
+}
+
+impl WindowSurface {
+    /// Width and height in pixels.
+    #[must_use]
+    pub fn size_px(&self) -> [u32; 2] {
+        [self.configuration.width, self.configuration.height]
+    }
+}
+
+impl GpuRenderer {
+    /// A renderer that can draw to a window, and the window's surface.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if no adapter that fulfils the wish can draw to the window, with what was tried.
+    pub fn for_window(
+        target: impl Into<wgpu::SurfaceTarget<'static>>,
+        size_px: [u32; 2],
+        wish: AdapterWish,
+    ) -> Result<(GpuRenderer, WindowSurface)> {
+        let instance = instance()?;
+        let surface = instance
+            .create_surface(target)
+            .map_err(|error| Error::Gpu(format!("the window cannot be drawn to: {error}")))?;
+        let (gpu, adapter) = Gpu::new(adapter::open(wish, &instance, Some(&surface), None)?);
+        let renderer = GpuRenderer::on(gpu)?;
+        let configuration = configuration(&surface.get_capabilities(&adapter), size_px)?;
+        let pipeline = renderer.pipelines.present(&renderer.gpu, configuration.format)?;
+        let mut window = WindowSurface { surface, configuration, pipeline, targets: None };
+        renderer.configure(&mut window, size_px)?;
+        Ok((renderer, window))
+    }
+
+    /// Follows the window to a new size. The next [`GpuRenderer::present`] starts from sample 0.
+    pub fn resize(&mut self, window: &mut WindowSurface, size_px: [u32; 2]) {
+        window.targets = None;
+        // A refusal shows at the next present.
+        if let Err(Error::Gpu(what)) = self.configure(window, size_px) {
+            self.gpu.record(what);
+        }
+    }
+
+    fn configure(&self, window: &mut WindowSurface, size_px: [u32; 2]) -> Result<()> {
+        let most = self.gpu.limits.max_texture_dimension_2d;
+        [window.configuration.width, window.configuration.height] = size_px.map(|side| side.clamp(1, most));
+        self.gpu.guard("fitting the window's surface", || {
+            window.surface.configure(&self.gpu.device, &window.configuration);
+            Ok(())
+        })
+    }
+
+    /// Adds samples `done..done + add` of the loaded scene to those summed for this view, and shows their mean. With
+    /// `done` 0 the sum starts anew; anything that changes the picture must start it. The view is the window's size.
+    ///
+    /// A window that is hidden or too slow to take the picture is no error: the samples are summed, the next call shows them.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device or the surface is lost or refuses.
+    pub fn present(
+        &mut self,
+        window: &mut WindowSurface,
+        view: &View,
+        settings: &Settings,
+        done: u32,
+        add: u32,
+    ) -> Result<()> {
+        let most = self.gpu.limits.max_texture_dimension_2d;
+        let region = view.region();
+        let size = [region.width.min(most), region.height.min(most)];
+        let region = Region { width: size[0], height: size[1], ..region };
+        let frame = self.begin(view, settings, true)?;
+        let (targets, done) = match window.targets.take() {
+            Some((targets, old)) if old == size => (targets, done),
+            // Whatever was summed is gone.
+            _ => (Targets::new(&self.gpu, &self.pipelines, size)?, 0),
+        };
+        let end = done.saturating_add(add.max(u32::from(done == 0)));
+        let draw = self.draw();
+        self.gpu.guard("drawing", || draw.samples(&targets, region, [done, end], settings.samples.max(end)))?;
+        let shown = self.acquire(window)?;
+        if let Some(texture) = shown {
+            self.gpu.guard("showing the picture", || {
+                let target = view_of(&texture.texture);
+                let [width, height] = window.size_px();
+                let region = Region { width: width.min(size[0]), height: height.min(size[1]), ..region };
+                let inputs = [&targets.sums[(end % 2) as usize], self.ground.light(&frame)];
+                draw.resolve(&window.pipeline, inputs, &target, region, end);
+                self.gpu.queue.present(texture);
+                Ok(())
+            })?;
+        }
+        window.targets = Some((targets, size));
+        Ok(())
+    }
+
+    /// The texture to show next; `None` if the window does not take one now.
+    fn acquire(&self, window: &mut WindowSurface) -> Result<Option<wgpu::SurfaceTexture>> {
+        for attempt in 0..2 {
+            // wgpu 30 panics where it finds the device lost.
+            let got = self.gpu.guard("asking the window for a texture", || {
+                catch_unwind(AssertUnwindSafe(|| window.surface.get_current_texture()))
+                    .map_err(|_| Error::Gpu("the device was lost while drawing to the window".to_owned()))
+            })?;
+            match got {
+                wgpu::CurrentSurfaceTexture::Success(texture) => return Ok(Some(texture)),
+                // Usable now, but the window has changed: shown, and fitted for the next.
+                wgpu::CurrentSurfaceTexture::Suboptimal(texture) if attempt > 0 => return Ok(Some(texture)),
+                wgpu::CurrentSurfaceTexture::Timeout | wgpu::CurrentSurfaceTexture::Occluded => return Ok(None),
+                wgpu::CurrentSurfaceTexture::Suboptimal(_)
+                | wgpu::CurrentSurfaceTexture::Outdated
+                | wgpu::CurrentSurfaceTexture::Lost => {
+                    let size = window.size_px();
+                    self.configure(window, size)?;
+                }
+                wgpu::CurrentSurfaceTexture::Validation => break,
+            }
+        }
+        Err(Error::Gpu("the window's surface is lost".to_owned()))
+    }
+}
+
+/// How the surface is set up: 8 bits a channel, sRGB written by us where it can be, opaque, in step with the display.
+fn configuration(able: &wgpu::SurfaceCapabilities, size_px: [u32; 2]) -> Result<wgpu::SurfaceConfiguration> {
+    use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb, Rgba8Unorm, Rgba8UnormSrgb};
+    let wanted = [Bgra8Unorm, Rgba8Unorm, Bgra8UnormSrgb, Rgba8UnormSrgb];
+    let format = wanted
+        .into_iter()
+        .find(|format| able.formats.contains(format))
+        .ok_or_else(|| Error::Gpu(format!("the window offers no 8-bit colours, only {:?}", able.formats)))?;
+    let alpha_mode = able.alpha_modes.iter().copied().find(|&mode| mode == wgpu::CompositeAlphaMode::Opaque);
+    Ok(wgpu::SurfaceConfiguration {
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        format,
+        color_space: wgpu::SurfaceColorSpace::Auto,
+        width: size_px[0].max(1),
+        height: size_px[1].max(1),
+        desired_maximum_frame_latency: 2,
+        present_mode: wgpu::PresentMode::AutoVsync,
+        // Alpha is always 1, so that every other mode shows the same.
+        alpha_mode: alpha_mode.unwrap_or(wgpu::CompositeAlphaMode::Auto),
+        view_formats: Vec::new(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wgpu::TextureFormat::{Bgra8UnormSrgb, Rgba8Unorm, Rgba16Float};
+
+    fn able(formats: Vec<wgpu::TextureFormat>) -> wgpu::SurfaceCapabilities {
+        wgpu::SurfaceCapabilities { formats, ..wgpu::SurfaceCapabilities::default() }
+    }
+
+    #[test]
+    fn surfaces_that_leave_srgb_to_us_come_first_and_sizes_are_never_zero() {
+        let chosen = |formats| configuration(&able(formats), [0, 7]).map(|c| (c.format, c.width, c.height));
+        assert_eq!(chosen(vec![Rgba16Float, Bgra8UnormSrgb, Rgba8Unorm]).unwrap(), (Rgba8Unorm, 1, 7));
+        assert_eq!(chosen(vec![Rgba16Float, Bgra8UnormSrgb]).unwrap().0, Bgra8UnormSrgb);
+        assert!(chosen(vec![Rgba16Float]).unwrap_err().to_string().contains("8-bit"));
+    }
+}
