@@ -1,4 +1,4 @@
-//! Reading from memory on one core's worth of work, in bytes and atoms per second, for each text format.
+//! Reading from memory, in bytes and atoms per second, for each text format.
 
 #![allow(clippy::expect_used, reason = "a bench that cannot read has nothing to measure")]
 
@@ -8,8 +8,11 @@ use ballstick::import::{ImportOptions, read_bytes};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 
+/// A format's extension and what writes it.
+type Writer = (&'static str, fn(usize) -> String);
+
 fn import(c: &mut Criterion) {
-    let formats: [(&str, fn(usize) -> String); 4] =
+    let formats: [Writer; 4] =
         [("pdb", common::pdb), ("xyz", common::xyz), ("sdf", common::sdf), ("json", common::json)];
     let options = ImportOptions::default();
     for (name, write) in formats {
