@@ -1,8 +1,7 @@
 //! Bonds that PDB files state: CONECT by serial numbers, SSBOND and LINK by residues.
 //!
 //! A bond repeated in one CONECT direction is a multiple bond (a habit of programs, not of the format); A→B together
-//! with B→A is one bond said twice. Where no bond of a file is repeated, orders are unknown: wwPDB files list double
-//! bonds once. A bond to a metal is coordination: neither CONECT nor LINK says the kind.
+//! with B→A is one bond said twice. A bond listed once is single, though wwPDB files list double bonds once too. A bond to a metal is coordination: neither CONECT nor LINK says the kind.
 //!
 //! Serials that more than one atom has (numbers that wrapped around) mean, for each of the atoms, its nearest partner.
 
@@ -181,11 +180,7 @@ fn count_repeats(mut directed: Vec<(u32, u32)>, shared: Vec<(u32, u32)>) -> Vec<
     let mut counted: Vec<(u32, u32, usize)> = all.map(|((a, b), count)| (a.min(b), a.max(b), count)).collect();
     counted.sort_unstable_by_key(|&(a, b, count)| (a, b, std::cmp::Reverse(count)));
     counted.dedup_by_key(|&mut (a, b, _)| (a, b));
-    let has_orders = counted.iter().any(|&(a, b, count)| count > 1 && a != b);
-    let order = |count: usize| match has_orders {
-        true => BondOrder::from_number(u32::try_from(count.min(4)).unwrap_or(4)),
-        false => BondOrder::Unknown,
-    };
+    let order = |count: usize| BondOrder::from_number(u32::try_from(count.min(4)).unwrap_or(4));
     counted.iter().map(|&(a, b, count)| Bond::new(a, b, order(count), BondSource::File)).collect()
 }
 
@@ -240,7 +235,7 @@ fn resolve_links(
                 format!("the bond is left out: there is no atom {atom}")
             });
         }
-        let order = if link.disulfide { BondOrder::Single } else { BondOrder::Unknown };
+        let order = BondOrder::Single;
         for &a in &from {
             for &b in &to {
                 let [one, other] = [a, b].map(|atom| structure.altloc(atom as usize));

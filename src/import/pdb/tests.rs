@@ -80,7 +80,7 @@ fn conect_repeated_one_way_is_an_order() {
         assert_eq!(molecule.stated_bonds(), StatedBonds::Partial);
         molecule.bonds().iter().map(|bond| (bond.a, bond.b, bond.order)).collect()
     };
-    assert_eq!(orders("CONECT    1    2\nCONECT    2    1\n"), [(0, 1, BondOrder::Unknown)]);
+    assert_eq!(orders("CONECT    1    2\nCONECT    2    1\n"), [(0, 1, BondOrder::Single)]);
     assert_eq!(
         orders("CONECT    1    2    2\nCONECT    2    1    1    3\nCONECT    3    2    4    4    4\n"),
         [(0, 1, BondOrder::Double), (1, 2, BondOrder::Single), (2, 3, BondOrder::Triple)]
@@ -102,7 +102,7 @@ fn shared_serials_bond_near_atoms() {
     let text: String = [("1", 0.0), ("2", 1.2), ("1", 50.0), ("2", 51.2)].map(|(n, x)| carbon(n, x)).concat();
     let molecule = one(&format!("{text}CONECT    1    2\nCONECT    1    2\nCONECT    2    1\n"));
     let pairs: Vec<_> = molecule.bonds().iter().map(|bond| (bond.a, bond.b, bond.order)).collect();
-    assert_eq!(pairs, [(0, 1, BondOrder::Unknown), (2, 3, BondOrder::Unknown)]);
+    assert_eq!(pairs, [(0, 1, BondOrder::Single), (2, 3, BondOrder::Unknown)]);
 }
 
 #[test]

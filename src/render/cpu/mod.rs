@@ -8,6 +8,7 @@ mod binning;
 pub mod intersect;
 pub mod reference;
 mod shader;
+mod simd;
 pub mod tiles;
 
 use super::field::{Field, GroundMap};

@@ -7,6 +7,7 @@
 use super::binning::{Bins, Candidate, TILE};
 use super::intersect::{cylinder_t, sphere_t};
 use super::shader::Shader;
+use super::simd::widest;
 use crate::color::Srgb8;
 use crate::render::field::GroundMap;
 use crate::render::frame::{FrameConstants, resolve};
@@ -51,6 +52,7 @@ impl TileDepth {
     }
 
     /// The farthest depth in the tile; infinity if a pixel is empty.
+    #[inline(always)]
     fn farthest(&self) -> f32 {
         let mut farthest = 0.0f32;
         for row in &self.t {
@@ -94,6 +96,11 @@ struct Picture<'a> {
 impl Picture<'_> {
     /// Finds what every pixel of a tile sees in one sample.
     fn see(&self, depth: &mut TileDepth, tile: usize, offset: [f32; 2]) {
+        widest(|| self.see_here(depth, tile, offset));
+    }
+
+    #[inline(always)]
+    fn see_here(&self, depth: &mut TileDepth, tile: usize, offset: [f32; 2]) {
         let (x, y) = self.corner(tile);
         depth.restart(&self.grid, self.region.x + x, self.region.y + y, offset);
         // Looking for the farthest depth costs about as much as drawing a small primitive.
@@ -109,6 +116,7 @@ impl Picture<'_> {
         }
     }
 
+    #[inline(always)]
     fn draw(&self, depth: &mut TileDepth, candidate: &Candidate, x: u32, y: u32) {
         let [left, top, right, bottom] = candidate.pixels.map(u32::from);
         let columns = [left.saturating_sub(x) as usize, (right - x).min(TILE) as usize];

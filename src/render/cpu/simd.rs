@@ -1,0 +1,23 @@
+//! The widest vector instructions the machine has, chosen at run time; the program's only unsafe code.
+//!
+//! The pixel loops are plain Rust that the compiler turns into vector code. Compiled for x86-64's baseline they
+//! get 4 lanes and no blends; with AVX2 the same loops get 8 (the gain is in the benches, `cpu_frame`). Only the width
+//! changes: fused multiply-add stays off, so every level gives the same bits.
+#![expect(unsafe_code, reason = "calling code compiled for instructions that were just found to be there")]
+
+/// Runs `work`, compiled for the best instructions there are. What `work` calls must be `#[inline(always)]` to profit.
+#[inline]
+pub(super) fn widest<R>(work: impl FnOnce() -> R) -> R {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the machine has AVX2.
+        return unsafe { avx2(work) };
+    }
+    work()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn avx2<R>(work: impl FnOnce() -> R) -> R {
+    work()
+}
