@@ -232,7 +232,13 @@ pub(in crate::render) fn ray_to(p: DVec3, orthographic: bool) -> Ray {
 }
 
 /// A cylinder about a centre, as a scene would hold it.
-pub(in crate::render) fn cylinder(center: DVec3, axis: DVec3, length: f64, radius: f64, caps: [u32; 2]) -> Option<Cylinder> {
+pub(in crate::render) fn cylinder(
+    center: DVec3,
+    axis: DVec3,
+    length: f64,
+    radius: f64,
+    caps: [u32; 2],
+) -> Option<Cylinder> {
     let half = axis * (length * 0.5);
     // The block is centred, so that short sticks far away keep their axis.
     let instance = CylinderInstance {

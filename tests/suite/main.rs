@@ -7,4 +7,8 @@
 
 mod golden;
 mod layering;
+#[cfg(feature = "gpu")]
+mod parity;
 mod scenes;
+#[cfg(feature = "gpu")]
+mod shaders;

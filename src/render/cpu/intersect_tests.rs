@@ -99,7 +99,8 @@ impl Tally {
 
 /// Distances from the eye, and how far off the view axis: at 10,000 Å a thin stick 1 % of its radius is 3e-4 Å, finer
 /// than an f32 coordinate there unless the stick is near the axis.
-const DISTANCES: [(f64, f64); 6] = [(1.0, 1.0), (10.0, 1.0), (100.0, 1.0), (1000.0, 1.0), (3000.0, 0.6), (10_000.0, 0.35)];
+const DISTANCES: [(f64, f64); 6] =
+    [(1.0, 1.0), (10.0, 1.0), (100.0, 1.0), (1000.0, 1.0), (3000.0, 0.6), (10_000.0, 0.35)];
 
 fn random_length(random: &mut Random) -> f64 {
     if random.below(4) == 0 { random.log_between(0.01, 100.0) } else { random.between(0.5, 3.0) }
