@@ -1,13 +1,86 @@
-//! ballstick (crate docs follow)
+//! ballstick shows molecules as balls and sticks: it reads molecule files, knows their bonds, and draws them exactly, in a
+//! window or as a picture, with or without a graphics card.
+//!
+//! ```
+//! use ballstick::render::{Choice, Quality, View, select};
+//! use ballstick::scene::{Item, Scene, SceneOptions};
+//! use std::sync::Arc;
+//!
+//! // bytes → structure → structure with bonds
+//! let water = b"3\nwater\nO 0 0 0.12\nH 0 0.76 -0.47\nH 0 -0.76 -0.47\n";
+//! let document = ballstick::import::read_bytes(water, "water.xyz", &Default::default())?;
+//! let molecule = ballstick::bonds::assign(document.records[0].clone(), &Default::default());
+//! assert_eq!(molecule.bonds().len(), 2);
+//!
+//! // → scene → picture
+//! let scene = Arc::new(Scene::new(&[Item::of(&molecule)], &SceneOptions::default()));
+//! let view = View::new(scene.fitted_camera(4.0 / 3.0), 64, 48);
+//! let mut renderer = select(Choice::Cpu)?.renderer;
+//! renderer.load(scene)?;
+//! let image = renderer.image(&view, &Quality::Draft.settings())?;
+//! assert_eq!((image.width, image.height, image.rgba.len()), (64, 48, 64 * 48 * 4));
+//! # Ok::<(), ballstick::Error>(())
+//! ```
+//!
+//! # One way through the code
+//!
+//! ```text
+//! bytes ──import──▶ Structure ──bonds──▶ Structure+bonds ──scene──▶ Scene (primitives, camera, lights, ground)
+//!                                                                     │ the same instance bytes
+//!                                                    render::cpu ◀────┴────▶ render::gpu
+//!                                                         └──────▶ Image / window ◀┘
+//! ```
+//!
+//! Modules import only from those before them in this list; a test keeps it so.
+//!
+//! | layer | what it owns |
+//! |---|---|
+//! | [`math`], [`color`], [`element`], [`error`] | geometry, the only sRGB conversion, the element table, errors by whose fault they are |
+//! | [`structure`] | the molecular model: structure of arrays, immutable once built |
+//! | [`import`], [`bonds`] | bytes to structures, never guessing a bond; structures to bonds, never reading a file |
+//! | [`scene`] | blocks of primitives × placements, styles, colours, camera, light, ground; knows no renderer |
+//! | [`render`] | the definition of the picture ([`render::frame`]), the CPU renderer, the wgpu renderer, and the choice between them |
+//! | [`export`] | picture files, structure files, atomic writes |
+//! | [`cli`], `app` | the commands, the window; no chemistry |
+//!
+//! # Spaces and units
+//!
+//! Lengths are ångström, angles degrees in files and radians (`_rad`) in code, colours sRGB in files and flags and linear in shading.
+//! World and view space are right-handed with +Y up; the camera looks down −Z. Matrices are named `dst_from_src`. A view ray has a direction with
+//! `z = −1` in both projections, so its parameter `t` is the depth along the view axis. Depth buffers are reversed (near 1, far 0).
+//!
+//! # The picture
+//!
+//! There is one definition of the picture, in [`render::frame`] and [`render::field`]; each renderer computes it. `render::cpu::reference` is plain,
+//! scalar and single-threaded: it is the truth, and the only writer of golden pictures. `render::cpu::tiles` gives the same bytes on all cores.
+//! `render::gpu` draws the same instance bytes as impostors, with WGSL twins of the Rust functions under the same names; parity tests compare ids, depth,
+//! normals and colour.
+//!
+//! - A sphere and a cylinder are intersected exactly, from a ray origin moved to the primitive ([`render::cpu::intersect`]).
+//! - Their bounds on the picture are exact for any projection, off-centre parts included ([`render::bounds`]).
+//! - The ground is lit by the scene's distance field: the key light's penumbra from the smallest `sharpness · distance / t` along the way to
+//!   the light, and the sky's part from how far the field falls short above the ground ([`render::field`]). Where one would usually march
+//!   along the way, each primitive is asked at its own nearest point of it, found through the hierarchy: it is faster and leaves no bands.
+//! - Ground and background are smooth and found once a pixel; what a primitive covers is found and shaded at every sample.
+//!
+//! # Known limits
+//!
+//! - Not read yet: mmCIF, BinaryCIF, MOL2, SDF V3000, POSCAR, cube, GRO. Bond orders are those of the file; none are perceived.
+//! - No ambient occlusion or cast shadows on the molecule itself yet; outlines and labels are missing.
+//! - Bonds do not cross periodic boundaries; the unit cell is read and kept, not drawn.
 
+#[cfg(feature = "window")]
+pub mod app;
 pub mod bonds;
+pub mod cli;
 pub mod color;
 pub mod element;
 pub mod error;
+pub mod export;
+pub mod import;
 pub mod math;
+pub mod render;
+pub mod scene;
 pub mod structure;
 
 pub use error::{Error, Result};
-
-pub mod render;
-pub mod scene;

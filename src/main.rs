@@ -1,1 +1,7 @@
-fn main() {}
+//! The program: [`ballstick::cli`] does the work.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    ExitCode::from(ballstick::cli::run(std::env::args_os()))
+}

@@ -129,9 +129,9 @@ pub fn cylinder_rect(a: Vec3, b: Vec3, radius: f32, round: [bool; 2], camera: &B
         }
         for ((end, round), depth) in [a, b].into_iter().zip(round).zip(depths) {
             let cx = direction.dot(end.truncate());
-            let (ax, ay, aw) = if round { (0.0, 1.0, 0.0) } else { (ax, ay, aw) };
+            let (ax, ay, aw) = if round { (0.0f32, 1.0f32, 0.0f32) } else { (ax, ay, aw) };
             if camera.orthographic {
-                let extent = radius * (1.0 - ax * ax).max(0.0).sqrt();
+                let extent = radius * (ay * ay + aw * aw).sqrt();
                 cover(side, (cx - extent, cx + extent));
             } else {
                 cover(side, circle_slopes(cx, depth, radius, ax, ay, aw));

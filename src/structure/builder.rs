@@ -6,6 +6,7 @@ use super::{
 };
 use crate::element::Element;
 use glam::DVec3;
+use std::collections::HashMap;
 
 /// Everything a file can say about one atom. The default is an unnamed dummy at the origin with occupancy 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,6 +79,8 @@ pub struct StructureBuilder {
     radical: Vec<u8>,
     residues: Vec<Residue>,
     chains: Vec<NameId>,
+    /// Index into `chains` by name: a hostile file may have as many chains as atoms.
+    chain_indices: HashMap<NameId, u32>,
     bonds: Vec<Bond>,
     stated_bonds: StatedBonds,
     bond_stereo: Vec<(u32, u32, BondStereo)>,
@@ -187,12 +190,12 @@ impl StructureBuilder {
         if let Some(index) = last.filter(|&index| self.chains[index as usize] == chain) {
             return index;
         }
-        let found = self.chains.iter().position(|&other| other == chain);
-        let index = found.unwrap_or_else(|| {
+        let next = u32::try_from(self.chains.len()).unwrap_or(u32::MAX);
+        let index = *self.chain_indices.entry(chain).or_insert(next);
+        if index == next {
             self.chains.push(chain);
-            self.chains.len() - 1
-        });
-        u32::try_from(index).unwrap_or(u32::MAX)
+        }
+        index
     }
 
     /// Replaces the formal charge of an atom (property lines come after the atoms in some formats).
@@ -386,5 +389,9 @@ mod tests {
         builder.push_bond_stereo(2, 1, BondStereo::Up);
         let structure = builder.build(&mut Diagnostics::default());
         assert_eq!(structure.bond_stereo(), [(1, BondStereo::Up)]);
+        let bond = |a, b| Bond::new(a, b, BondOrder::Single, BondSource::Distance);
+        let more = structure.with_bonds(vec![bond(0, 1), bond(0, 2), bond(1, 2)]);
+        assert_eq!(more.bond_stereo(), [(2, BondStereo::Up)]);
+        assert!(more.with_bonds(vec![bond(0, 1)]).bond_stereo().is_empty());
     }
 }

@@ -238,7 +238,7 @@ impl Structure {
         self.stated_bonds
     }
 
-    /// Stereo marks of a 2D drawing, by index into the bonds the file stated.
+    /// Stereo marks of a 2D drawing, by index into [`Structure::bonds`].
     #[must_use]
     pub fn bond_stereo(&self) -> &[(u32, BondStereo)] {
         &self.bond_stereo
@@ -281,10 +281,19 @@ impl Structure {
     }
 
     /// The same structure with these bonds in place of its own. They are sorted, turned to `a < b` and made unique
-    /// (the first of a pair stays); bonds of an atom to itself or to an atom that is not there are left out.
+    /// (the first of a pair stays); bonds of an atom to itself or to an atom that is not there are left out. Stereo marks
+    /// follow their bonds, or go with them.
     #[must_use]
     pub fn with_bonds(mut self, bonds: Vec<Bond>) -> Structure {
-        self.bonds = bond::normalise(bonds, self.element.len());
+        let old = std::mem::replace(&mut self.bonds, bond::normalise(bonds, self.element.len()));
+        let bonds = &self.bonds;
+        self.bond_stereo = (self.bond_stereo.iter())
+            .filter_map(|&(index, stereo)| {
+                let marked = old.get(index as usize)?;
+                let index = bonds.binary_search_by_key(&(marked.a, marked.b), |bond| (bond.a, bond.b)).ok()?;
+                Some((u32::try_from(index).ok()?, stereo))
+            })
+            .collect();
         self
     }
 

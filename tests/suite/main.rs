@@ -5,6 +5,11 @@
 //! and corrupted ones; `golden` small pictures, one idea each; `parity` CPU against GPU; `shaders` WGSL without a GPU; `cli` the program
 //! as a user runs it; `window` the window under a virtual display.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod bad_input;
+mod cli;
+mod corpus;
 mod golden;
 mod layering;
 #[cfg(feature = "gpu")]

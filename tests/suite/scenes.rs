@@ -11,10 +11,10 @@ use ballstick::structure::{AtomRecord, Bond, BondOrder, BondSource, Diagnostics,
 use glam::{Affine3A, DVec3, Quat, Vec3};
 
 /// A scene and how it is looked at.
-pub struct Case {
-    pub name: &'static str,
-    pub scene: Scene,
-    pub view: View,
+pub(crate) struct Case {
+    pub(crate) name: &'static str,
+    pub(crate) scene: Scene,
+    pub(crate) view: View,
 }
 
 const WIDTH: u32 = 128;
@@ -65,7 +65,7 @@ fn case(name: &'static str, scene: Scene, camera: Camera) -> Case {
 }
 
 /// A molecule from elements, positions and bonds.
-pub fn molecule(atoms: &[(u8, [f64; 3])], bonds: &[(u32, u32, u32)]) -> Structure {
+pub(crate) fn molecule(atoms: &[(u8, [f64; 3])], bonds: &[(u32, u32, u32)]) -> Structure {
     let mut builder = StructureBuilder::new();
     for &(z, position) in atoms {
         let element = Element::from_z(z).unwrap();
@@ -78,7 +78,7 @@ pub fn molecule(atoms: &[(u8, [f64; 3])], bonds: &[(u32, u32, u32)]) -> Structur
 }
 
 /// Acrolein with a nitrile: single, double and triple bonds, hydrogens, oxygen, nitrogen.
-pub fn small_molecule() -> Structure {
+pub(crate) fn small_molecule() -> Structure {
     molecule(
         &[
             (6, [0.0, 0.0, 0.0]),
@@ -103,7 +103,7 @@ fn fitted(name: &'static str, options: &SceneOptions) -> Case {
 }
 
 /// All cases.
-pub fn all() -> Vec<Case> {
+pub(crate) fn all() -> Vec<Case> {
     let flat = (Cap::Flat, Cap::Flat);
     let ball = |center, radius| scene_of(vec![sphere(center, radius, 0xC0_40_40, 1)], vec![]);
     let bare = SceneOptions { ground: false, ..SceneOptions::default() };

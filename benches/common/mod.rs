@@ -1,0 +1,141 @@
+//! Molecules of any size for measuring: the same atoms every time.
+//!
+//! A chain is folded row by row into a ball, every atom 1.5 Å from the next and every second one to the side, rows
+//! 3.6 Å apart: 0.06 atoms per Å³, as heavy atoms in a protein, and one bond an atom. All atoms are moved a little, so
+//! that no coordinate repeats.
+
+#![allow(dead_code, reason = "each bench uses a part of it")]
+
+use ballstick::element::Element;
+use ballstick::structure::{AtomRecord, Diagnostics, Structure, StructureBuilder};
+use glam::DVec3;
+use std::fmt::Write;
+
+/// The sizes all benches measure.
+pub(crate) const SIZES: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
+
+/// Elements along the chain, about as frequent as in a protein.
+const ELEMENTS: [&str; 8] = ["N", "C", "C", "O", "C", "C", "N", "S"];
+/// Atoms of a residue.
+const RESIDUE: usize = 8;
+
+/// Å between neighbours along a row, how far every second atom is to the side, and between rows.
+const STEP: f64 = 1.27;
+const ASIDE: f64 = 0.8;
+const ROW: f64 = 3.6;
+
+/// Symbol and position of each atom.
+pub(crate) fn atoms(count: usize) -> Vec<(&'static str, DVec3)> {
+    // A ball that holds a few more, cut to the count.
+    let volume = STEP * ROW * ROW * (count as f64 * 1.1 + 60.0);
+    let radius = (volume * 0.75 / std::f64::consts::PI).cbrt();
+    let rows = (radius / ROW) as i64 + 1;
+    let mut atoms = Vec::with_capacity(count);
+    for layer in -rows..=rows {
+        for row in -rows..=rows {
+            // Back and forth: the next row begins where this one ends.
+            let row = if layer % 2 == 0 { row } else { -row };
+            let forward = (layer + row) % 2 == 0;
+            let (y, z) = (row as f64 * ROW, layer as f64 * ROW);
+            let half = (radius * radius - y * y - z * z).max(0.0).sqrt();
+            let steps = (half / STEP) as i64;
+            for step in -steps..=steps {
+                if atoms.len() == count {
+                    return atoms;
+                }
+                let step = if forward { step } else { -step };
+                let aside = if step % 2 == 0 { 0.0 } else { ASIDE };
+                let n = atoms.len();
+                let position = DVec3::new(step as f64 * STEP, y + aside, z) + shift(n as u64);
+                atoms.push((ELEMENTS[n % ELEMENTS.len()], position));
+            }
+        }
+    }
+    atoms
+}
+
+/// Up to 0.06 Å in each direction, to three decimals as files have them.
+fn shift(n: u64) -> DVec3 {
+    let mix = (n + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let part = |bits: u64| ((mix >> bits) % 121) as f64 * 1e-3 - 0.06;
+    DVec3::new(part(8), part(24), part(40))
+}
+
+/// Residue number and its place in the four digits that PDB has.
+fn residue(n: usize) -> usize {
+    n / RESIDUE % 9999 + 1
+}
+
+/// The atoms as a structure, without bonds.
+pub(crate) fn structure(count: usize) -> Structure {
+    let mut builder = StructureBuilder::new();
+    builder.set_decimals(3);
+    for (n, (symbol, position)) in atoms(count).into_iter().enumerate() {
+        builder.push_atom(&AtomRecord {
+            element: Element::from_symbol(symbol).unwrap_or_default(),
+            position,
+            name: symbol,
+            residue: Some(("A", residue(n) as i32, b' ', "UNL")),
+            ..AtomRecord::default()
+        });
+    }
+    builder.build(&mut Diagnostics::default())
+}
+
+/// The atoms as PDB text: hybrid-36 is not needed, serials wrap as many programs let them.
+pub(crate) fn pdb(count: usize) -> String {
+    let mut text = String::with_capacity(count * 81);
+    for (n, (symbol, p)) in atoms(count).into_iter().enumerate() {
+        let (serial, residue) = (n % 99_999 + 1, residue(n));
+        let _ = writeln!(
+            text,
+            "ATOM  {serial:5}  {symbol:<3} UNL A{residue:4}    {:8.3}{:8.3}{:8.3}  1.00 20.00          {symbol:>2}  ",
+            p.x, p.y, p.z
+        );
+    }
+    text.push_str("END\n");
+    text
+}
+
+/// The atoms as XYZ text.
+pub(crate) fn xyz(count: usize) -> String {
+    let mut text = format!("{count}\na folded chain\n");
+    for (symbol, p) in atoms(count) {
+        let _ = writeln!(text, "{symbol} {:.3} {:.3} {:.3}", p.x, p.y, p.z);
+    }
+    text
+}
+
+/// The atoms as an SDF record (V3000, since V2000 ends at 999 atoms), the chain as its bonds.
+pub(crate) fn sdf(count: usize) -> String {
+    let bonds = count.saturating_sub(1);
+    let mut text = format!(
+        "a folded chain\n  bench\n\n  0  0  0     0  0            999 V3000\nM  V30 BEGIN CTAB\n\
+         M  V30 COUNTS {count} {bonds} 0 0 0\nM  V30 BEGIN ATOM\n"
+    );
+    for (n, (symbol, p)) in atoms(count).into_iter().enumerate() {
+        let _ = writeln!(text, "M  V30 {} {symbol} {:.3} {:.3} {:.3} 0", n + 1, p.x, p.y, p.z);
+    }
+    text.push_str("M  V30 END ATOM\nM  V30 BEGIN BOND\n");
+    for n in 1..=bonds {
+        let _ = writeln!(text, "M  V30 {n} 1 {n} {}", n + 1);
+    }
+    text.push_str("M  V30 END BOND\nM  V30 END CTAB\nM  END\n$$$$\n");
+    text
+}
+
+/// The atoms as our own JSON list, the chain as its bonds.
+pub(crate) fn json(count: usize) -> String {
+    let mut text = String::from("{\"atoms\":[");
+    for (n, (symbol, p)) in atoms(count).into_iter().enumerate() {
+        let comma = if n == 0 { "" } else { "," };
+        let _ = write!(text, "{comma}{{\"element\":\"{symbol}\",\"position\":[{:.3},{:.3},{:.3}]}}", p.x, p.y, p.z);
+    }
+    text.push_str("],\"bonds\":[");
+    for n in 1..count {
+        let comma = if n == 1 { "" } else { "," };
+        let _ = write!(text, "{comma}{{\"atoms\":[{},{n}],\"order\":1}}", n - 1);
+    }
+    text.push_str("]}\n");
+    text
+}

@@ -1,0 +1,395 @@
+//! The command line, as it is typed. Nothing here acts; names and defaults are what others script against.
+
+use super::values::{Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Size};
+use crate::color::Srgb8;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::num::NonZeroU32;
+use std::path::PathBuf;
+
+/// Shows molecules as balls and sticks: in a window, or as a picture on any machine, with or without a graphics card.
+#[derive(Debug, Parser)]
+#[command(
+    name = "ballstick",
+    version,
+    max_term_width = 100,
+    args_conflicts_with_subcommands = true,
+    arg_required_else_help = true,
+    after_help = "A file that is called like a command is opened as ./render, or by `ballstick view render`.\n\
+        Results go to standard output, everything else to standard error; `-` is standard input or output.\n\
+        Exit status: 0 done (also with warnings), 1 some inputs failed, 2 the command line is wrong."
+)]
+pub struct Cli {
+    /// What to do; viewing, if nothing is said.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// Viewing is what happens without a command.
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Show molecules in a window (the default)
+    View(ViewArgs),
+    /// Draw pictures
+    Render(Box<RenderArgs>),
+    /// Say what is in files
+    Info(InfoArgs),
+    /// Write a structure in another format
+    Convert(ConvertArgs),
+    /// List graphics devices, and which one is used and why
+    Devices,
+}
+
+/// `ballstick view`.
+#[derive(Debug, Clone, Args)]
+pub struct ViewArgs {
+    /// Molecule files, all into one scene; - is standard input
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+    /// Look.
+    #[command(flatten)]
+    pub look: LookArgs,
+    /// Molecule.
+    #[command(flatten)]
+    pub bonds: BondArgs,
+    /// Renderer.
+    #[command(flatten)]
+    pub renderer: RendererArgs,
+}
+
+/// `ballstick render`.
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "\
+Examples:
+  ballstick render caffeine.sdf -o caffeine.png
+  ballstick render 1abc.cif -o fig.png --size 3000x2000 --background transparent
+  ballstick render *.sdf -o pictures/            one picture each: pictures/NAME.png
+  ballstick render *.sdf -o 'out/{stem}.webp'    the same with names of your own
+  curl … | ballstick render - -o - > fig.png
+
+Channels (--channel) as 16-bit PNG, or as plain numbers in NPY (-o depth.npy):
+  depth   PNG: grey, linear from 65535 at the text chunk near_angstrom to 1 at far_angstrom;
+          0 is the background. NPY: f4 (h,w) in ångström; inf is the background
+  normal  in view space: x right, y up, z to the viewer. PNG: RGB of n*0.5+0.5; 0,0,0 is the
+          background. NPY: f4 (h,w,3)
+  id      0 background, 1 + atom index, 1 + number of atoms + bond index, 4294967295 ground.
+          PNG: R = id >> 16, G = id & 65535, B = 0. NPY: u4 (h,w)
+
+Timings (--timings), one JSON object a picture: seconds for read, bonds, scene, render, encode
+and total; peak_memory in bytes (null where the system does not tell); atom_count, bond_count,
+renderer and output.")]
+pub struct RenderArgs {
+    /// Molecule files; - is standard input
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+    /// Picture: a file takes all FILEs into one scene; a folder (there, or ending in /) or a name with {stem} makes
+    /// one picture of each; - is standard output
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Picture format where OUT does not say: png, jpg, webp, ppm or npy [default: png]
+    #[arg(long, value_name = "FORMAT")]
+    pub to: Option<String>,
+    /// Width and height of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "1920x1080", help_heading = "Picture")]
+    pub size: Size,
+    /// Draw only this part of the full picture, in pixels from its upper left corner
+    #[arg(long, value_name = "X,Y,W,H", help_heading = "Picture")]
+    pub region: Option<Region>,
+    /// Effort, and shadows to match
+    #[arg(long, value_name = "LEVEL", default_value = "standard", help_heading = "Picture")]
+    pub quality: QualityArg,
+    /// Samples a pixel, 1 to 4096, in place of what the quality says
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Picture")]
+    pub samples: Option<u32>,
+    /// What the picture shows; all but color are numbers, see below
+    #[arg(long, value_name = "WHAT", default_value = "color", help_heading = "Picture")]
+    pub channel: Channel,
+    /// Look.
+    #[command(flatten)]
+    pub look: LookArgs,
+    /// Bonds.
+    #[command(flatten)]
+    pub bonds: BondArgs,
+    /// Record and frame.
+    #[command(flatten)]
+    pub select: SelectArgs,
+    /// Renderer.
+    #[command(flatten)]
+    pub renderer: RendererArgs,
+    /// Print timings as JSON on standard error, see below
+    #[arg(long, help_heading = "Running")]
+    pub timings: bool,
+}
+
+/// How things look.
+#[derive(Debug, Clone, Args)]
+pub struct LookArgs {
+    /// Representation
+    #[arg(long, value_name = "STYLE", default_value = "ball-and-stick", help_heading = "Look")]
+    pub style: StyleArg,
+    /// What the colours of atoms say
+    #[arg(long, value_name = "SCHEME", default_value = "element", help_heading = "Look")]
+    pub color_by: ColorByArg,
+    /// Background: transparent, #rrggbb, or a name such as white
+    #[arg(long, value_name = "COLOR", default_value = "white", help_heading = "Look")]
+    pub background: Backdrop,
+    /// Put a ground under the molecule (the default in pictures)
+    #[arg(long, overrides_with = "no_ground", help_heading = "Look")]
+    pub ground: bool,
+    /// Leave the ground out
+    #[arg(long, overrides_with = "ground", help_heading = "Look")]
+    pub no_ground: bool,
+    /// Projection
+    #[arg(long, value_name = "KIND", default_value = "perspective", help_heading = "Look")]
+    pub projection: ProjectionArg,
+    /// Keep the file's axes and look along x,y,z, or at the front, back, left, right, top or bottom (front looks
+    /// along -z with y up) [default: longest axis across, thinnest to the viewer]
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, conflicts_with = "axis", help_heading = "Look")]
+    pub view: Option<Direction>,
+    /// Look down the lattice direction [uvw], which points to the viewer: 111, 1-10 or 1,-1,0; needs a unit cell
+    #[arg(long, value_name = "UVW", allow_hyphen_values = true, help_heading = "Look")]
+    pub axis: Option<Axis>,
+    /// Alternate locations drawn: highest (occupancy), all, or one letter such as B
+    #[arg(long, value_name = "WHICH", default_value = "highest", help_heading = "Molecule")]
+    pub altloc: Altloc,
+}
+
+impl LookArgs {
+    /// Whether there is a ground.
+    #[must_use]
+    pub fn has_ground(&self) -> bool {
+        !self.no_ground
+    }
+
+    /// The colour behind the molecule; white where the background is transparent.
+    #[must_use]
+    pub fn solid_background(&self) -> Srgb8 {
+        self.background.0.unwrap_or(Srgb8::WHITE)
+    }
+}
+
+/// Where bonds come from.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct BondArgs {
+    /// Where bonds come from
+    #[arg(long, value_name = "FROM", default_value = "auto", help_heading = "Molecule")]
+    pub bonds: BondsArg,
+}
+
+/// Which part of a file.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub struct SelectArgs {
+    /// Frame (XYZ frame, PDB model, SDF record), counted from 1; with --record the frame of that record
+    #[arg(long, value_name = "N", help_heading = "Molecule")]
+    pub frame: Option<NonZeroU32>,
+    /// Record of a file with several molecules, counted from 1; all draws them side by side
+    #[arg(long, value_name = "N|all", help_heading = "Molecule")]
+    pub record: Option<RecordChoice>,
+}
+
+/// Who draws.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct RendererArgs {
+    /// Who draws
+    #[arg(long, value_name = "WHO", default_value = "auto", help_heading = "Running")]
+    pub renderer: RendererArg,
+}
+
+/// `ballstick info`.
+#[derive(Debug, Clone, Args)]
+pub struct InfoArgs {
+    /// Molecule files; - is standard input
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+    /// One JSON object a file, one a line; a file that cannot be read gives {"path", "error": {"line", "message"}}
+    #[arg(long)]
+    pub json: bool,
+    /// Bonds.
+    #[command(flatten)]
+    pub bonds: BondArgs,
+}
+
+/// `ballstick convert`.
+#[derive(Debug, Clone, Args)]
+pub struct ConvertArgs {
+    /// Molecule file; - is standard input
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// File to write; - is standard output
+    #[arg(value_name = "OUT")]
+    pub output: PathBuf,
+    /// Format, where the name of OUT does not say
+    #[arg(long, value_name = "FORMAT")]
+    pub to: Option<String>,
+    /// Bonds.
+    #[command(flatten)]
+    pub bonds: BondArgs,
+    /// Record and frame.
+    #[command(flatten)]
+    pub select: SelectArgs,
+}
+
+/// A set of names a flag takes; [`Named::name`] is the one that is typed.
+pub trait Named: ValueEnum {
+    /// The name.
+    fn name(&self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+}
+
+impl<T: ValueEnum> Named for T {}
+
+/// `--style`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum StyleArg {
+    /// Balls and sticks
+    BallAndStick,
+    /// Thick sticks
+    Licorice,
+    /// Full van der Waals spheres
+    SpaceFilling,
+    /// Thin sticks
+    Wireframe,
+}
+
+/// `--color-by`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ColorByArg {
+    /// Which element it is, in the usual colours
+    Element,
+    /// Which chain it belongs to
+    Chain,
+    /// What its residue is called
+    Residue,
+}
+
+/// `--projection`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ProjectionArg {
+    /// What is farther is smaller
+    Perspective,
+    /// Parallel rays
+    Orthographic,
+}
+
+/// `--bonds`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum BondsArg {
+    /// The file's, then the residue dictionary's, then by distance
+    Auto,
+    /// The file's and no others
+    File,
+    /// By distance, whatever the file and the dictionary say
+    Perceive,
+    /// None
+    None,
+}
+
+/// `--channel`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Channel {
+    /// The picture
+    Color,
+    /// Which way the surface faces
+    Normal,
+    /// How far away it is
+    Depth,
+    /// Which atom or bond it is
+    Id,
+}
+
+/// `--quality`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum QualityArg {
+    /// 4 samples a pixel
+    Draft,
+    /// 16 samples a pixel
+    Standard,
+    /// 64 samples a pixel
+    High,
+}
+
+/// `--renderer`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum RendererArg {
+    /// A real GPU if there is one, else the CPU
+    Auto,
+    /// All cores of the CPU
+    Cpu,
+    /// A graphics device, or an error
+    Gpu,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    fn render(flags: &[&str]) -> Result<RenderArgs, clap::Error> {
+        let line = ["ballstick", "render", "a.sdf", "-o", "a.png"].iter().chain(flags);
+        Cli::try_parse_from(line).map(|cli| match cli.command {
+            Some(Command::Render(args)) => *args,
+            other => panic!("{other:?}"),
+        })
+    }
+
+    #[test]
+    fn files_without_a_command_are_viewed() {
+        let cli = Cli::try_parse_from(["ballstick", "a.sdf", "./render"]).unwrap();
+        assert!(cli.command.is_none());
+        assert_eq!(cli.view.files, [PathBuf::from("a.sdf"), PathBuf::from("./render")]);
+        let cli = Cli::try_parse_from(["ballstick", "view", "render"]).unwrap();
+        assert!(matches!(cli.command, Some(Command::View(view)) if view.files == [PathBuf::from("render")]));
+    }
+
+    #[test]
+    fn flags_that_others_script_against_keep_their_names() {
+        let flags = [
+            "--renderer=cpu",
+            "--size=640x480",
+            "--samples=4",
+            "--style=space-filling",
+            "--color-by=chain",
+            "--background=transparent",
+            "--no-ground",
+            "--projection=orthographic",
+            "--view=-1,0,0",
+            "--bonds=perceive",
+            "--frame=2",
+            "--record=all",
+            "--channel=depth",
+            "--region=0,0,10,10",
+            "--quality=high",
+            "--timings",
+            "--altloc=B",
+        ];
+        let args = render(&flags).unwrap();
+        assert_eq!((args.look.style.name(), args.look.has_ground()), ("space-filling".to_owned(), false));
+        assert_eq!(args.look.view, Some(Direction([-1.0, 0.0, 0.0])));
+        assert_eq!(render(&["--axis", "-1,1,0"]).unwrap().look.axis, Some(Axis([-1, 1, 0])));
+        assert!(render(&["--no-ground", "--ground"]).unwrap().look.has_ground());
+    }
+
+    #[test]
+    fn what_is_not_there_is_refused() {
+        for flags in [
+            &["--ao=64"][..],
+            &["--channel=ao"],
+            &["--samples=0"],
+            &["--samples=5000"],
+            &["--frame=0"],
+            &["--style=cartoon"],
+            &["--view=front", "--axis=111"],
+        ] {
+            let error = render(flags).expect_err(&format!("{flags:?}"));
+            assert_eq!(error.exit_code(), 2, "{flags:?}");
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! From a path to structures with bonds: reading, picking record and frame, finding bonds.
+
+use super::args::{BondArgs, Named, SelectArgs};
+use super::report::Report;
+use super::values::RecordChoice;
+use crate::bonds::{self, BondMode, BondOptions};
+use crate::error::{Error, Result};
+use crate::import::{self, Document, ImportOptions};
+use crate::structure::{Bond, BondKind, Structure};
+use std::path::Path;
+use std::time::Instant;
+
+/// Seconds that loading took.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct LoadSeconds {
+    pub(super) read: f64,
+    pub(super) bonds: f64,
+}
+
+/// Reads a file and says what its reader noticed.
+pub(super) fn read(path: &Path, report: &Report) -> Result<Document> {
+    let document = import::read_path(path, &ImportOptions::default())?;
+    for diagnostic in &document.diagnostics {
+        report.diagnostic(path, diagnostic);
+    }
+    Ok(document)
+}
+
+/// The structures to draw, each with one frame and its bonds.
+pub(super) fn load_for_picture(
+    path: &Path,
+    select: &SelectArgs,
+    bond_args: BondArgs,
+    report: &Report,
+    seconds: &mut LoadSeconds,
+) -> Result<Vec<Structure>> {
+    let started = Instant::now();
+    let document = read(path, report)?;
+    let select = match select {
+        // One thing is drawn unless something is said.
+        SelectArgs { frame: None, record: None } => {
+            &SelectArgs { frame: Some(std::num::NonZeroU32::MIN), record: None }
+        }
+        select => select,
+    };
+    let mut structures = pick(document, select)?;
+    structures = structures.into_iter().filter_map(|structure| structure.with_only_frame(0)).collect();
+    seconds.read += started.elapsed().as_secs_f64();
+    let started = Instant::now();
+    let structures = structures.into_iter().map(|structure| with_bonds(structure, bond_args)).collect();
+    seconds.bonds += started.elapsed().as_secs_f64();
+    Ok(structures)
+}
+
+/// The records, or the one, that is asked for; with a frame asked for, that frame alone.
+pub(super) fn pick(document: Document, select: &SelectArgs) -> Result<Vec<Structure>> {
+    let number = |n: std::num::NonZeroU32| usize::try_from(n.get()).unwrap_or(usize::MAX);
+    let frames_in_all = document.frame_count();
+    let missing = |what: &str, asked: usize, there: usize| {
+        Error::input(None, format!("{what} {asked} is asked for, but there are only {there}"))
+    };
+    let mut records = document.records;
+    match (select.record, select.frame) {
+        (None, None) | (Some(RecordChoice::All), None) => {}
+        (Some(RecordChoice::Number(record)), _) => {
+            let (record, count) = (number(record), records.len());
+            if record > count {
+                return Err(missing("record", record, count));
+            }
+            records = vec![records.swap_remove(record - 1)];
+        }
+        (None, Some(frame)) => {
+            let asked = number(frame);
+            let mut rest = asked - 1;
+            for record in records {
+                let frames = record.frames().len();
+                if rest < frames {
+                    return Ok(record.with_only_frame(rest).into_iter().collect());
+                }
+                rest -= frames;
+            }
+            return Err(missing("frame", asked, frames_in_all));
+        }
+        (Some(RecordChoice::All), Some(_)) => {}
+    }
+    let Some(frame) = select.frame.map(number) else { return Ok(records) };
+    let with_frame = |record: Structure| {
+        let there = record.frames().len();
+        record.with_only_frame(frame - 1).ok_or_else(|| missing("frame", frame, there))
+    };
+    records.into_iter().map(with_frame).collect()
+}
+
+/// The options that `--bonds` stands for.
+pub(super) fn bond_options(args: BondArgs) -> BondOptions {
+    BondOptions { mode: BondMode::from_name(&args.bonds.name()).unwrap_or_default(), ..BondOptions::default() }
+}
+
+/// The structure with the bonds of its first frame.
+pub(super) fn with_bonds(structure: Structure, args: BondArgs) -> Structure {
+    bonds::assign(structure, &bond_options(args))
+}
+
+/// Covalent bonds by order 1, 2, 3 and aromatic; aromatic ones count only as that.
+pub(super) fn count_orders(bonds: &[Bond]) -> [usize; 4] {
+    let mut counts = [0; 4];
+    for bond in bonds.iter().filter(|bond| bond.kind == BondKind::Covalent) {
+        match (bond.aromatic, bond.order.number()) {
+            (true, _) => counts[3] += 1,
+            (false, order @ 1..=3) => counts[usize::from(order) - 1] += 1,
+            _ => {}
+        }
+    }
+    counts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::args::BondsArg;
+    use crate::structure::{BondOrder, BondSource};
+
+    fn document() -> Document {
+        let text = "1\n\nC 0 0 0\n1\n\nC 1 0 0\n1\n\nN 0 0 0\n";
+        import::read_bytes(text.as_bytes(), "a.xyz", &ImportOptions::default()).unwrap()
+    }
+
+    fn picked(record: Option<&str>, frame: Option<u32>) -> Result<Vec<(String, usize, f64)>> {
+        let select = SelectArgs {
+            record: record.map(|text| text.parse().unwrap()),
+            frame: frame.map(|n| n.try_into().unwrap()),
+        };
+        let facts = |s: &Structure| (s.elements()[0].to_string(), s.frames().len(), s.positions().get(0).x);
+        pick(document(), &select).map(|structures| structures.iter().map(facts).collect())
+    }
+
+    #[test]
+    fn frames_count_through_the_file_and_within_a_record() {
+        let carbon = |frames, x| ("C".to_owned(), frames, x);
+        let nitrogen = || ("N".to_owned(), 1, 0.0);
+        assert_eq!(picked(None, None).unwrap(), [carbon(2, 0.0), nitrogen()]);
+        assert_eq!(picked(None, Some(2)).unwrap(), [carbon(1, 1.0)]);
+        assert_eq!(picked(None, Some(3)).unwrap(), [nitrogen()]);
+        assert_eq!(picked(Some("1"), None).unwrap(), [carbon(2, 0.0)]);
+        assert_eq!(picked(Some("1"), Some(2)).unwrap(), [carbon(1, 1.0)]);
+        assert_eq!(picked(Some("all"), Some(1)).unwrap(), [carbon(1, 0.0), nitrogen()]);
+    }
+
+    #[test]
+    fn what_is_not_there_is_said_with_how_many_there_are() {
+        assert!(picked(None, Some(4)).unwrap_err().to_string().contains("frame 4 is asked for, but there are only 3"));
+        assert!(
+            picked(Some("3"), None).unwrap_err().to_string().contains("record 3 is asked for, but there are only 2")
+        );
+        assert!(picked(Some("all"), Some(2)).is_err());
+    }
+
+    #[test]
+    fn every_bond_mode_of_the_flag_is_one_of_the_library() {
+        for (arg, mode) in [
+            (BondsArg::Auto, BondMode::Auto),
+            (BondsArg::File, BondMode::File),
+            (BondsArg::Perceive, BondMode::Perceive),
+            (BondsArg::None, BondMode::None),
+        ] {
+            assert_eq!(bond_options(BondArgs { bonds: arg }).mode, mode);
+        }
+    }
+
+    #[test]
+    fn each_covalent_bond_counts_once_and_others_not_at_all() {
+        let bond = |order| Bond::new(0, 1, order, BondSource::File);
+        let bonds = [
+            bond(BondOrder::Single),
+            bond(BondOrder::Single),
+            bond(BondOrder::Triple),
+            Bond { aromatic: true, ..bond(BondOrder::Double) },
+            Bond { kind: BondKind::Coordination, ..bond(BondOrder::Single) },
+            Bond { kind: BondKind::Hydrogen, ..bond(BondOrder::Unknown) },
+            bond(BondOrder::Quadruple),
+        ];
+        assert_eq!(count_orders(&bonds), [2, 0, 1, 1]);
+    }
+}

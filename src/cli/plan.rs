@@ -1,0 +1,151 @@
+//! Which inputs go into which picture.
+
+use crate::export::picture::PictureFormat;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// What takes the place of the input's name in a pattern.
+const STEM: &str = "{stem}";
+
+/// The pictures to make.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Plan {
+    pub(super) pictures: Vec<Picture>,
+    /// Inputs whose picture would have the name of an earlier one.
+    pub(super) clashes: Vec<Clash>,
+    /// A folder to make first.
+    pub(super) new_folder: Option<PathBuf>,
+    pub(super) format: PictureFormat,
+}
+
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Picture {
+    pub(super) inputs: Vec<PathBuf>,
+    pub(super) output: PathBuf,
+}
+
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Clash {
+    pub(super) input: PathBuf,
+    pub(super) output: PathBuf,
+    pub(super) earlier: PathBuf,
+}
+
+/// The plan for `render FILE… -o OUT`; an error is one of usage.
+pub(super) fn plan(files: &[PathBuf], output: &Path, to: Option<&str>) -> Result<Plan, String> {
+    if files.iter().filter(|file| file.as_os_str() == "-").count() > 1 {
+        return Err("- is given twice, but standard input can be read only once".to_owned());
+    }
+    let to = to.map(|name| {
+        PictureFormat::from_name(name).ok_or_else(|| format!("--to {name}: use png, jpg, webp, ppm or npy"))
+    });
+    let to = to.transpose()?;
+    let by_name = || PictureFormat::from_path(output).map_err(|error| error.to_string());
+    let one = |format| {
+        let pictures = vec![Picture { inputs: files.to_vec(), output: output.to_owned() }];
+        Ok(Plan { pictures, clashes: Vec::new(), new_folder: None, format })
+    };
+    let text = output.to_string_lossy();
+    if text.contains(STEM) {
+        let format = to.map_or_else(by_name, Ok)?;
+        return Ok(each(files, &text, format, None));
+    }
+    let is_folder = output.is_dir();
+    if is_folder || text.ends_with(std::path::is_separator) {
+        let format = to.unwrap_or(PictureFormat::Png);
+        let pattern = output.join(format!("{STEM}.{}", format.extensions()[0]));
+        let new_folder = (!is_folder).then(|| output.to_owned());
+        return Ok(each(files, &pattern.to_string_lossy(), format, new_folder));
+    }
+    let nameless = crate::export::atomic::is_stdout(output) || output.starts_with("/dev");
+    one(match to {
+        Some(format) => format,
+        None if nameless => PictureFormat::Png,
+        None => by_name()?,
+    })
+}
+
+fn each(files: &[PathBuf], pattern: &str, format: PictureFormat, new_folder: Option<PathBuf>) -> Plan {
+    let mut plan = Plan { pictures: Vec::new(), clashes: Vec::new(), new_folder, format };
+    let mut taken: HashMap<PathBuf, &PathBuf> = HashMap::new();
+    for input in files {
+        let output = PathBuf::from(pattern.replace(STEM, &stem(input)));
+        match taken.get(&output) {
+            Some(&earlier) => plan.clashes.push(Clash { input: input.clone(), output, earlier: earlier.clone() }),
+            None => {
+                taken.insert(output.clone(), input);
+                plan.pictures.push(Picture { inputs: vec![input.clone()], output });
+            }
+        }
+    }
+    plan
+}
+
+/// The name of a file without folder and extension, `.gz` and `.zst` as well; `stdin` for `-`.
+fn stem(path: &Path) -> String {
+    if path.as_os_str() == "-" {
+        return "stdin".to_owned();
+    }
+    let name = path.file_name().unwrap_or_default();
+    let name = Path::new(name);
+    let packed = name.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz") || e.eq_ignore_ascii_case("zst"));
+    let name = if packed { Path::new(name.file_stem().unwrap_or_default()) } else { name };
+    name.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paths(names: &[&str]) -> Vec<PathBuf> {
+        names.iter().map(PathBuf::from).collect()
+    }
+
+    fn outputs(plan: &Plan) -> Vec<&str> {
+        plan.pictures.iter().map(|picture| picture.output.to_str().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_file_takes_all_inputs() {
+        let plan = plan(&paths(&["a.sdf", "b.sdf"]), Path::new("fig.webp"), None).unwrap();
+        assert_eq!((plan.pictures.len(), plan.format), (1, PictureFormat::WebP));
+        assert_eq!(plan.pictures[0].inputs, paths(&["a.sdf", "b.sdf"]));
+    }
+
+    #[test]
+    fn a_folder_and_a_pattern_make_one_picture_each() {
+        let folder = tempfile::tempdir().unwrap();
+        let inputs = paths(&["x/1abc.cif.gz", "b.v2.sdf", "-"]);
+        let there = plan(&inputs, folder.path(), None).unwrap();
+        let names: Vec<_> = there.pictures.iter().map(|p| p.output.file_name().unwrap().to_str().unwrap()).collect();
+        assert_eq!((names, there.new_folder), (vec!["1abc.png", "b.v2.png", "stdin.png"], None));
+        let new = plan(&inputs, &folder.path().join("new/"), Some("jpg")).unwrap();
+        assert!(new.new_folder.is_some() && new.pictures[0].output.ends_with("new/1abc.jpg"));
+        let pattern = plan(&inputs, Path::new("out/{stem}-top.ppm"), None).unwrap();
+        assert_eq!(outputs(&pattern), ["out/1abc-top.ppm", "out/b.v2-top.ppm", "out/stdin-top.ppm"]);
+    }
+
+    #[test]
+    fn the_second_input_of_a_name_is_a_clash() {
+        let plan = plan(&paths(&["a/x.sdf", "b/x.pdb", "y.sdf"]), Path::new("o/"), None).unwrap();
+        assert_eq!(outputs(&plan), ["o/x.png", "o/y.png"]);
+        assert_eq!(plan.clashes.len(), 1);
+        assert_eq!(plan.clashes[0].input, PathBuf::from("b/x.pdb"));
+        assert_eq!(plan.clashes[0].earlier, PathBuf::from("a/x.sdf"));
+    }
+
+    #[test]
+    fn what_cannot_be_is_an_error_of_usage() {
+        assert!(plan(&paths(&["a"]), Path::new("fig.tiff"), None).unwrap_err().contains(".tiff"));
+        assert!(plan(&paths(&["a"]), Path::new("fig"), None).is_err());
+        assert!(plan(&paths(&["a"]), Path::new("fig.png"), Some("tiff")).unwrap_err().contains("--to tiff"));
+        assert!(plan(&paths(&["-", "-"]), Path::new("o/"), None).unwrap_err().contains("only once"));
+    }
+
+    #[test]
+    fn standard_output_is_png_unless_said() {
+        assert_eq!(plan(&paths(&["a"]), Path::new("-"), None).unwrap().format, PictureFormat::Png);
+        assert_eq!(plan(&paths(&["a"]), Path::new("-"), Some("npy")).unwrap().format, PictureFormat::Npy);
+        assert_eq!(plan(&paths(&["a"]), Path::new("/dev/null"), None).unwrap().format, PictureFormat::Png);
+    }
+}

@@ -1,0 +1,227 @@
+//! From arguments to scene and renderer: the only module of the command line that knows them.
+
+use super::args::{LookArgs, Named, ProjectionArg, RenderArgs, RendererArgs};
+use super::devices::Devices;
+use super::picture::{Draw, Drawing, Drawn};
+use super::values::{Altloc, Axis, Direction};
+use crate::cli::args::Channel;
+use crate::error::{Error, Result};
+use crate::render::{Choice, Quality, Selection, Settings, View, select};
+use crate::scene::{AltlocChoice, Background, ColorBy, Item, Orientation, Region, Scene, SceneOptions, Style};
+use crate::structure::Structure;
+use glam::{DVec3, Vec3};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Ångström between structures that stand side by side: the gap between molecules that just touch, 2 × 1.7 Å of
+/// carbon (Bondi, J. Phys. Chem. 1964, 68, 441), rounded up.
+const GAP: f32 = 4.0;
+
+/// Picks a renderer at the first picture and keeps it for all.
+pub(super) struct Drawer {
+    choice: Choice,
+    selection: Option<Selection>,
+}
+
+impl Drawer {
+    pub(super) fn new(args: RendererArgs) -> Drawer {
+        Drawer { choice: Choice::from_name(&args.renderer.name()).unwrap_or_default(), selection: None }
+    }
+}
+
+impl Draw for Drawer {
+    fn draw(&mut self, structures: &[Structure], side_by_side: bool, args: &RenderArgs) -> Result<Drawing> {
+        let started = Instant::now();
+        let options = scene_options(&args.look, structures)?;
+        let offsets = if side_by_side { grid(structures) } else { vec![Vec3::ZERO; structures.len()] };
+        let items: Vec<Item<'_>> =
+            structures.iter().zip(offsets).map(|(structure, offset)| Item { structure, offset }).collect();
+        let scene = Arc::new(Scene::new(&items, &options));
+        let scene_seconds = started.elapsed().as_secs_f64();
+        let started = Instant::now();
+        let selection = match self.selection.take() {
+            Some(selection) => selection,
+            None => select(self.choice)?,
+        };
+        let renderer = &mut self.selection.insert(selection).renderer;
+        let (width, height) = (args.size.width, args.size.height);
+        let mut view = View::new(scene.fitted_camera(width as f32 / height as f32), width, height);
+        view.region = args.region.map(|r| Region { x: r.x, y: r.y, width: r.width, height: r.height });
+        renderer.load(scene)?;
+        let drawn = match args.channel {
+            Channel::Color => Drawn::Image(renderer.image(&view, &settings(args))?),
+            Channel::Depth | Channel::Normal | Channel::Id => Drawn::Surface(renderer.gbuffer(&view)?),
+        };
+        let render_seconds = started.elapsed().as_secs_f64();
+        Ok(Drawing { drawn, renderer: renderer.name(), scene_seconds, render_seconds })
+    }
+
+    fn reset(&mut self) {
+        self.selection = None;
+    }
+}
+
+fn settings(args: &RenderArgs) -> Settings {
+    let mut settings = Quality::from_name(&args.quality.name()).unwrap_or_default().settings();
+    settings.samples = args.samples.unwrap_or(settings.samples);
+    settings
+}
+
+/// The scene that the look's flags ask for; `--axis` is that of the first structure's cell.
+pub(super) fn scene_options(look: &LookArgs, structures: &[Structure]) -> Result<SceneOptions> {
+    Ok(SceneOptions {
+        style: Style::from_name(&look.style.name()).unwrap_or_default(),
+        color_by: ColorBy::from_name(&look.color_by.name()).unwrap_or_default(),
+        altloc: match look.altloc {
+            Altloc::Highest => AltlocChoice::Highest,
+            Altloc::All => AltlocChoice::All,
+            Altloc::Code(code) => AltlocChoice::Code(code),
+        },
+        orientation: match (look.view, look.axis) {
+            (Some(direction), _) => along(direction),
+            (None, Some(axis)) => down_axis(axis, structures)?,
+            (None, None) => Orientation::Auto,
+        },
+        perspective: look.projection == ProjectionArg::Perspective,
+        ground: look.has_ground(),
+        background: look.background.0.map_or(Background::Transparent, Background::Color),
+    })
+}
+
+/// What the window starts with. `--axis` needs the cell of the first file, which is read for it.
+#[cfg(feature = "window")]
+pub(super) fn window_options(args: &super::args::ViewArgs) -> Result<crate::app::Options> {
+    let mut structures = Vec::new();
+    match args.files.first() {
+        Some(file) if args.look.axis.is_some() && file.as_os_str() == "-" => {
+            return Err(Error::Unsupported("--axis cannot be used with standard input; use --view".to_owned()));
+        }
+        Some(file) if args.look.axis.is_some() => {
+            structures = crate::import::read_path(file, &crate::import::ImportOptions::default())?.records;
+        }
+        _ => {}
+    }
+    Ok(crate::app::Options {
+        scene: scene_options(&args.look, &structures)?,
+        settings: Settings::default(),
+        renderer: Choice::from_name(&args.renderer.renderer.name()).unwrap_or_default(),
+        bonds: super::load::bond_options(args.bonds),
+    })
+}
+
+/// Looking along a direction with +y up, or, where that is (nearly) the direction itself, with −z up from above and
+/// +z up from below, as if the viewer of the front leant over.
+fn along(Direction(direction): Direction) -> Orientation {
+    let direction = DVec3::from(direction).normalize_or(DVec3::NEG_Z);
+    let up = if direction.y.abs() < 0.999 { DVec3::Y } else { DVec3::Z * direction.y.signum() };
+    Orientation::Along { direction: direction.as_vec3(), up: up.as_vec3() }
+}
+
+/// Looking down [uvw], which points to the viewer; **c** is up, **b** where we look along **c**.
+fn down_axis(axis: Axis, structures: &[Structure]) -> Result<Orientation> {
+    let cell = structures.iter().find_map(Structure::cell).ok_or_else(|| {
+        let message = format!("--axis {axis} is a direction of the unit cell, but there is none; use --view x,y,z");
+        Error::Input { line: None, message }
+    })?;
+    let [a, b, c] = cell.vectors();
+    let [u, v, w] = axis.0.map(f64::from);
+    let towards = (a * u + b * v + c * w).normalize_or(DVec3::Z);
+    let up = if towards.cross(c).length() > 0.01 * c.length() { c } else { b };
+    Ok(Orientation::Along { direction: (-towards).as_vec3(), up: up.normalize_or(DVec3::Y).as_vec3() })
+}
+
+/// Shifts that put structures next to one another: rows from the upper left in the xy plane, half as many more
+/// columns as rows, as pictures are wider than high, every one in a field of the size of the largest.
+fn grid(structures: &[Structure]) -> Vec<Vec3> {
+    let boxes: Vec<(DVec3, DVec3)> = structures
+        .iter()
+        .map(|structure| {
+            let positions = structure.positions();
+            let (low, high) = (0..positions.len())
+                .map(|atom| positions.get(atom))
+                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+            if positions.is_empty() { (DVec3::ZERO, DVec3::ZERO) } else { (low, high) }
+        })
+        .collect();
+    let largest = boxes.iter().fold(DVec3::ZERO, |largest, (low, high)| largest.max(*high - *low));
+    let step = largest + f64::from(GAP);
+    let columns = ((structures.len() as f64 * 1.5).sqrt().ceil() as usize).max(1);
+    let place = |(index, (low, high)): (usize, &(DVec3, DVec3))| {
+        let (column, row) = ((index % columns) as f64, (index / columns) as f64);
+        (DVec3::new(column * step.x, -row * step.y, 0.0) - (*low + *high) * 0.5).as_vec3()
+    };
+    boxes.iter().enumerate().map(place).collect()
+}
+
+/// What there is to draw with.
+pub(super) fn devices() -> Devices {
+    let choice = match select(Choice::Auto) {
+        Ok(Selection { renderer, reason }) => Ok((renderer.name(), reason)),
+        Err(error) => Err(error.to_string()),
+    };
+    let note = (!cfg!(feature = "gpu")).then(|| "This ballstick was built without the GPU renderer.".to_owned());
+    Devices { adapters: Vec::new(), note, choice }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::args::{ColorByArg, QualityArg, RendererArg, StyleArg};
+    use crate::structure::{AtomRecord, Cell, Diagnostics, StructureBuilder};
+    use clap::ValueEnum;
+
+    #[test]
+    fn every_name_of_a_flag_is_one_of_the_library() {
+        for value in StyleArg::value_variants() {
+            assert!(Style::from_name(&value.name()).is_some(), "{value:?}");
+        }
+        for value in ColorByArg::value_variants() {
+            assert!(ColorBy::from_name(&value.name()).is_some(), "{value:?}");
+        }
+        for value in QualityArg::value_variants() {
+            assert!(Quality::from_name(&value.name()).is_some(), "{value:?}");
+        }
+        for value in RendererArg::value_variants() {
+            assert!(Choice::from_name(&value.name()).is_some(), "{value:?}");
+        }
+    }
+
+    fn structure(points: &[[f64; 3]], cell: Option<Cell>) -> Structure {
+        let mut builder = StructureBuilder::new();
+        for &point in points {
+            builder.push_atom(&AtomRecord { position: point.into(), ..AtomRecord::default() });
+        }
+        builder.set_cell(cell);
+        builder.build(&mut Diagnostics::default())
+    }
+
+    #[test]
+    fn the_axis_points_to_the_viewer_in_the_cells_own_directions() {
+        let hexagonal = structure(&[], Cell::from_parameters([2.0, 2.0, 5.0], [90.0, 90.0, 120.0]));
+        let got = down_axis(Axis([0, 1, 0]), &[hexagonal]).unwrap();
+        let Orientation::Along { direction, up } = got else { panic!("{got:?}") };
+        assert!((direction - Vec3::new(0.5, -0.866_025_4, 0.0)).length() < 1e-6, "{direction}");
+        assert!((up - Vec3::Z).length() < 1e-6, "{up}");
+        let cubic = structure(&[], Cell::from_parameters([2.0; 3], [90.0; 3]));
+        let got = down_axis(Axis([0, 0, 2]), &[cubic]).unwrap();
+        assert_eq!(got, Orientation::Along { direction: Vec3::NEG_Z, up: Vec3::Y });
+        assert!(down_axis(Axis([1, 1, 1]), &[structure(&[], None)]).unwrap_err().to_string().contains("--view"));
+    }
+
+    #[test]
+    fn from_the_top_the_front_is_below() {
+        assert_eq!(along(Direction([0.0, -2.0, 0.0])), Orientation::Along { direction: Vec3::NEG_Y, up: Vec3::NEG_Z });
+        assert_eq!(along(Direction([0.0, 0.0, -1.0])), Orientation::Along { direction: Vec3::NEG_Z, up: Vec3::Y });
+    }
+
+    #[test]
+    fn side_by_side_nothing_overlaps_wherever_the_files_put_it() {
+        let long = structure(&[[100.0, 0.0, 0.0], [110.0, 2.0, 1.0]], None);
+        let records = [long.clone(), structure(&[[-5.0, -5.0, -5.0]], None), structure(&[], None), long];
+        let offsets = grid(&records);
+        // Three columns: 0, 1, 2, then the next row.
+        assert_eq!(offsets[0], Vec3::new(-105.0, -1.0, -0.5));
+        assert_eq!(offsets[1], Vec3::new(14.0 + 5.0, 5.0, 5.0));
+        assert_eq!(offsets[3], Vec3::new(-105.0, -6.0 - 1.0, -0.5));
+    }
+}

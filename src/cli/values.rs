@@ -1,0 +1,342 @@
+//! Values of flags: sizes, regions, directions. Each parser says what it expected and what it found.
+
+use std::num::NonZeroU32;
+use std::str::FromStr;
+
+/// Most pixels one picture may have: 2³⁰, which are 4 GiB in memory.
+const MAX_PIXELS: u64 = 1 << 30;
+
+/// Longest side of the full picture: beyond it sample positions lose their sub-pixel digits in f32.
+const MAX_SIDE: u32 = 1 << 17;
+
+/// Width and height of the full picture in pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Size {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+}
+
+impl std::fmt::Display for Size {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Size, String> {
+        let wrong = || format!("expected WIDTHxHEIGHT in pixels, such as 1920x1080, each from 1 to {MAX_SIDE}");
+        let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
+        let side = |text: &str| text.trim().parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
+        Ok(Size { width: side(width).ok_or_else(wrong)?, height: side(height).ok_or_else(wrong)? })
+    }
+}
+
+/// A part of the picture, in pixels from the upper left corner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Region {
+    /// Left edge.
+    pub x: u32,
+    /// Upper edge.
+    pub y: u32,
+    /// Width, at least 1.
+    pub width: u32,
+    /// Height, at least 1.
+    pub height: u32,
+}
+
+impl std::fmt::Display for Region {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{},{},{},{}", self.x, self.y, self.width, self.height)
+    }
+}
+
+impl FromStr for Region {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Region, String> {
+        let wrong = || "expected X,Y,W,H in pixels from the upper left corner, such as 0,0,640,360".to_owned();
+        let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+        match numbers.as_deref() {
+            Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Region { x, y, width, height }),
+            _ => Err(wrong()),
+        }
+    }
+}
+
+/// Checks that a region lies in the picture and that what is drawn is not too much.
+pub(super) fn check_size(size: Size, region: Option<Region>) -> Result<(), String> {
+    let (mut width, mut height) = (size.width, size.height);
+    if let Some(region) = region {
+        let inside = |start: u32, length: u32, side: u32| start.checked_add(length).is_some_and(|end| end <= side);
+        if !inside(region.x, region.width, width) || !inside(region.y, region.height, height) {
+            return Err(format!("--region {region} is not inside the picture of {size} pixels"));
+        }
+        (width, height) = (region.width, region.height);
+    }
+    if u64::from(width) * u64::from(height) > MAX_PIXELS {
+        return Err(format!("--size {size} is more than {MAX_PIXELS} pixels; draw it in parts with --region"));
+    }
+    Ok(())
+}
+
+/// A direction in the file's axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Direction(pub [f64; 3]);
+
+impl Direction {
+    /// Directions by name: the side of the molecule that is seen.
+    pub const NAMED: [(&'static str, [f64; 3]); 6] = [
+        ("front", [0.0, 0.0, -1.0]),
+        ("back", [0.0, 0.0, 1.0]),
+        ("left", [1.0, 0.0, 0.0]),
+        ("right", [-1.0, 0.0, 0.0]),
+        ("top", [0.0, -1.0, 0.0]),
+        ("bottom", [0.0, 1.0, 0.0]),
+    ];
+}
+
+impl std::fmt::Display for Direction {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [x, y, z] = self.0;
+        write!(f, "{x},{y},{z}")
+    }
+}
+
+impl FromStr for Direction {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Direction, String> {
+        let lower = text.trim().to_ascii_lowercase();
+        if let Some((_, direction)) = Direction::NAMED.iter().find(|(name, _)| *name == lower) {
+            return Ok(Direction(*direction));
+        }
+        let numbers: Option<Vec<f64>> = lower.split(',').map(|number| number.trim().parse().ok()).collect();
+        match numbers.as_deref() {
+            Some(&[x, y, z]) => {
+                let length = x.hypot(y).hypot(z);
+                let usable = length.is_finite() && length > 1e-30;
+                usable.then_some(Direction([x, y, z])).ok_or_else(|| format!("{text} points nowhere"))
+            }
+            _ => Err("expected front, back, left, right, top, bottom, or x,y,z such as 0,0,-1".to_owned()),
+        }
+    }
+}
+
+/// A lattice direction [uvw].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Axis(pub [i32; 3]);
+
+impl std::fmt::Display for Axis {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [u, v, w] = self.0;
+        write!(f, "{u},{v},{w}")
+    }
+}
+
+impl FromStr for Axis {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Axis, String> {
+        let inner = text.trim().trim_start_matches('[').trim_end_matches(']');
+        let indices: Option<Vec<i32>> = if inner.contains([',', ' ']) {
+            inner.split([',', ' ']).filter(|part| !part.is_empty()).map(|part| part.parse().ok()).collect()
+        } else {
+            single_digits(inner)
+        };
+        match indices.as_deref() {
+            Some(&[0, 0, 0]) => Err("[000] points nowhere".to_owned()),
+            Some(&[u, v, w]) if [u, v, w].iter().all(|index| index.unsigned_abs() <= 1000) => Ok(Axis([u, v, w])),
+            _ => Err("expected three indices [uvw] up to 1000, such as 111, 1-10 or 1,-1,0".to_owned()),
+        }
+    }
+}
+
+/// `1-10` as 1, −1, 0.
+fn single_digits(text: &str) -> Option<Vec<i32>> {
+    let mut indices = Vec::new();
+    let mut sign = 1;
+    for character in text.chars() {
+        match character {
+            '-' | '−' if sign == 1 => sign = -1,
+            digit => {
+                indices.push(sign * i32::try_from(digit.to_digit(10)?).ok()?);
+                sign = 1;
+            }
+        }
+    }
+    (sign == 1).then_some(indices)
+}
+
+/// Which record of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RecordChoice {
+    /// This one, counted from 1.
+    Number(NonZeroU32),
+    /// All, side by side.
+    All,
+}
+
+impl FromStr for RecordChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<RecordChoice, String> {
+        if text.eq_ignore_ascii_case("all") {
+            return Ok(RecordChoice::All);
+        }
+        text.parse().map(RecordChoice::Number).map_err(|_| "expected a number from 1 on, or all".to_owned())
+    }
+}
+
+impl std::fmt::Display for RecordChoice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            RecordChoice::Number(number) => number.fmt(f),
+            RecordChoice::All => f.write_str("all"),
+        }
+    }
+}
+
+/// Which alternate locations are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Altloc {
+    /// In each residue the one with the highest occupancy.
+    Highest,
+    /// All.
+    All,
+    /// This one where there is one, else the highest.
+    Code(u8),
+}
+
+impl FromStr for Altloc {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Altloc, String> {
+        match (text.to_ascii_lowercase().as_str(), text.as_bytes()) {
+            ("highest", _) => Ok(Altloc::Highest),
+            ("all", _) => Ok(Altloc::All),
+            (_, &[code]) if code.is_ascii_graphic() => Ok(Altloc::Code(code)),
+            _ => Err("expected highest, all, or one character such as B".to_owned()),
+        }
+    }
+}
+
+impl std::fmt::Display for Altloc {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Altloc::Highest => f.write_str("highest"),
+            Altloc::All => f.write_str("all"),
+            Altloc::Code(code) => char::from(*code).fmt(f),
+        }
+    }
+}
+
+/// What is behind the molecule: a colour, or nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Backdrop(pub Option<crate::color::Srgb8>);
+
+impl FromStr for Backdrop {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Backdrop, String> {
+        if text.eq_ignore_ascii_case("transparent") {
+            return Ok(Backdrop(None));
+        }
+        match crate::color::Srgb8::parse(text) {
+            Some(color) if color.a == 255 => Ok(Backdrop(Some(color))),
+            Some(_) => Err("a background is opaque or transparent, nothing between".to_owned()),
+            None => Err("expected transparent, #rrggbb, #rgb, or a name such as white or steelblue".to_owned()),
+        }
+    }
+}
+
+impl std::fmt::Display for Backdrop {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.0 {
+            Some(color) => color.fmt(f),
+            None => f.write_str("transparent"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Srgb8;
+
+    /// What is accepted reads back from how it is printed; the rest is refused.
+    fn check<T: FromStr + PartialEq + std::fmt::Debug + std::fmt::Display>(good: &[(&str, T)], bad: &[&str]) {
+        for (text, value) in good {
+            assert_eq!(text.parse().ok().as_ref(), Some(value), "{text}");
+            assert_eq!(value.to_string().parse().ok().as_ref(), Some(value), "{value}");
+        }
+        for text in bad {
+            assert!(text.parse::<T>().is_err(), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn sizes() {
+        let size = |width, height| Size { width, height };
+        check(
+            &[("1920x1080", size(1920, 1080)), ("1X1", size(1, 1)), ("3000×2000", size(3000, 2000))],
+            &["", "x", "1920", "0x5", "5x0", "-1x5", "5x5x5", "999999999x1", "1.5x2", "99999999999999999999x1"],
+        );
+    }
+
+    #[test]
+    fn regions_and_their_place_in_the_picture() {
+        let region = |x, y, width, height| Region { x, y, width, height };
+        check(
+            &[("0,0,640,360", region(0, 0, 640, 360)), ("5, 6,7,8", region(5, 6, 7, 8))],
+            &["", "1,2,3", "1,2,0,4", "1,2,3,-4", "1,2,3,4,5", "a,b,c,d"],
+        );
+        let size = Size { width: 100, height: 50 };
+        assert!(check_size(size, Some(region(90, 40, 10, 10))).is_ok());
+        assert!(check_size(size, Some(region(91, 40, 10, 10))).is_err());
+        assert!(check_size(size, Some(region(u32::MAX, 0, u32::MAX, 1))).is_err());
+        let huge = Size { width: MAX_SIDE, height: MAX_SIDE };
+        assert!(check_size(huge, None).unwrap_err().contains("--region"));
+        assert!(check_size(huge, Some(region(0, 0, 100, 100))).is_ok());
+    }
+
+    #[test]
+    fn directions() {
+        check(
+            &[
+                ("front", Direction([0.0, 0.0, -1.0])),
+                ("TOP", Direction([0.0, -1.0, 0.0])),
+                ("1,-2,0.5", Direction([1.0, -2.0, 0.5])),
+            ],
+            &["", "0,0,0", "1,2", "1,2,3,4", "nan,0,1", "inf,0,0", "up", "1e400,0,0"],
+        );
+    }
+
+    #[test]
+    fn lattice_axes() {
+        check(
+            &[
+                ("111", Axis([1, 1, 1])),
+                ("1-10", Axis([1, -1, 0])),
+                ("-110", Axis([-1, 1, 0])),
+                ("1,-1,0", Axis([1, -1, 0])),
+                ("[1 1 -12]", Axis([1, 1, -12])),
+            ],
+            &["", "0,0,0", "000", "11", "1111", "1--10", "11-", "a11", "1,2,9999", "1,1,99999999999"],
+        );
+    }
+
+    #[test]
+    fn records_altlocs_backgrounds() {
+        let one = NonZeroU32::MIN;
+        check(&[("1", RecordChoice::Number(one)), ("ALL", RecordChoice::All)], &["", "0", "-1", "some"]);
+        check(&[("highest", Altloc::Highest), ("all", Altloc::All), ("B", Altloc::Code(b'B'))], &["", "AB", " ", "é"]);
+        check(
+            &[("transparent", Backdrop(None)), ("#102030", Backdrop(Some(Srgb8::rgb(16, 32, 48))))],
+            &["", "whit", "#10203040"],
+        );
+    }
+}

@@ -1,0 +1,259 @@
+//! The table of structure formats that can be written, and what each of them cannot hold.
+//!
+//! A format is one module with a `FORMAT`, and one line in [`FORMATS`]. It lists the [`Part`]s it holds; what a
+//! structure has beyond them is named by [`StructureFormat::losses`].
+
+use crate::error::{Error, Result};
+use crate::structure::{Structure, atom_flags};
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Every structure format that can be written.
+pub static FORMATS: &[&StructureFormat] = &[&super::json::FORMAT, &super::xyz::FORMAT];
+
+/// A structure format that can be written.
+#[derive(Debug)]
+pub struct StructureFormat {
+    /// The name `--to` takes.
+    pub name: &'static str,
+    /// The file name extensions, without the dot.
+    pub extensions: &'static [&'static str],
+    /// What it is, in a few words.
+    pub description: &'static str,
+    /// Whether all records and frames are written; else the first frame of the first record.
+    pub all_frames: bool,
+    /// What it holds beside elements and positions.
+    pub holds: &'static [Part],
+    /// Writes the records, or the first of them.
+    pub write: fn(&[Structure], &mut dyn Write) -> io::Result<()>,
+}
+
+/// Something a structure may have beside elements and positions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Part {
+    /// Title.
+    Title,
+    /// Bonds.
+    Bonds,
+    /// Stereo marks on bonds.
+    BondStereo,
+    /// Unit cell.
+    Cell,
+    /// Atom names.
+    AtomNames,
+    /// Serial numbers other than 1, 2, 3, ….
+    Serials,
+    /// Residues and chains.
+    Residues,
+    /// What is a hetero atom, and what is no atom at all.
+    AtomKinds,
+    /// Alternate locations.
+    Altlocs,
+    /// Occupancies other than 1.
+    Occupancies,
+    /// Temperature factors.
+    BFactors,
+    /// Formal charges.
+    FormalCharges,
+    /// Partial charges.
+    PartialCharges,
+    /// Deuterium and tritium.
+    HydrogenIsotopes,
+    /// Any other isotopes.
+    Isotopes,
+    /// Radicals.
+    Radicals,
+    /// Helices and strands.
+    Secondary,
+    /// Vectors on atoms.
+    Vectors,
+    /// Data fields.
+    Properties,
+}
+
+impl Part {
+    /// All of them.
+    pub const ALL: [Part; 19] = [
+        Part::Title,
+        Part::Bonds,
+        Part::BondStereo,
+        Part::Cell,
+        Part::AtomNames,
+        Part::Serials,
+        Part::Residues,
+        Part::AtomKinds,
+        Part::Altlocs,
+        Part::Occupancies,
+        Part::BFactors,
+        Part::FormalCharges,
+        Part::PartialCharges,
+        Part::HydrogenIsotopes,
+        Part::Isotopes,
+        Part::Radicals,
+        Part::Secondary,
+        Part::Vectors,
+        Part::Properties,
+    ];
+
+    /// Its name in a message, plural.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Part::Title => "titles",
+            Part::Bonds => "bonds",
+            Part::BondStereo => "stereo marks",
+            Part::Cell => "unit cells",
+            Part::AtomNames => "atom names",
+            Part::Serials => "serial numbers",
+            Part::Residues => "residues and chains",
+            Part::AtomKinds => "marks of hetero atoms and particles",
+            Part::Altlocs => "alternate locations",
+            Part::Occupancies => "occupancies",
+            Part::BFactors => "temperature factors",
+            Part::FormalCharges => "formal charges",
+            Part::PartialCharges => "partial charges",
+            Part::HydrogenIsotopes | Part::Isotopes => "isotopes",
+            Part::Radicals => "radicals",
+            Part::Secondary => "helices and strands",
+            Part::Vectors => "vectors on atoms",
+            Part::Properties => "data fields",
+        }
+    }
+
+    /// Whether a structure has it.
+    #[must_use]
+    pub fn is_in(self, structure: &Structure) -> bool {
+        let any = |test: &dyn Fn(usize) -> bool| (0..structure.atom_count()).any(test);
+        match self {
+            Part::Title => !structure.title().is_empty() || structure.frames().iter().any(|f| !f.title.is_empty()),
+            Part::Bonds => !structure.bonds().is_empty(),
+            Part::BondStereo => !structure.bond_stereo().is_empty(),
+            Part::Cell => structure.frames().iter().any(|frame| frame.cell.is_some()),
+            Part::AtomNames => any(&|i| !structure.atom_name(i).is_empty()),
+            Part::Serials => any(&|i| usize::try_from(structure.serial(i)) != Ok(i + 1)),
+            Part::Residues => !structure.residues().is_empty(),
+            Part::AtomKinds => any(&|i| structure.flags(i) & (atom_flags::HETERO | atom_flags::PARTICLE) != 0),
+            Part::Altlocs => structure.has_altlocs(),
+            Part::Occupancies => any(&|i| structure.occupancy(i) != 1.0),
+            Part::BFactors => any(&|i| structure.b_factor(i) != 0.0),
+            Part::FormalCharges => any(&|i| structure.formal_charge(i) != 0),
+            Part::PartialCharges => any(&|i| structure.partial_charge(i).is_some()),
+            Part::HydrogenIsotopes => any(&|i| is_heavy_hydrogen(structure, i)),
+            Part::Isotopes => any(&|i| structure.isotope(i) != 0 && !is_heavy_hydrogen(structure, i)),
+            Part::Radicals => any(&|i| structure.radical(i) != 0),
+            Part::Secondary => !structure.secondary().is_empty(),
+            Part::Vectors => !structure.vectors().is_empty(),
+            Part::Properties => !structure.properties().is_empty(),
+        }
+    }
+}
+
+/// Whether the atom is deuterium or tritium.
+pub(super) fn is_heavy_hydrogen(structure: &Structure, atom: usize) -> bool {
+    matches!(structure.isotope(atom), 2 | 3) && structure.elements()[atom] == crate::element::Element::H
+}
+
+impl StructureFormat {
+    /// The format of a name or extension, in any case.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] naming those there are.
+    pub fn from_name(name: &str) -> Result<&'static StructureFormat> {
+        let lower = name.to_ascii_lowercase();
+        let found = FORMATS.iter().find(|format| format.name == lower || format.extensions.contains(&lower.as_str()));
+        found.copied().ok_or_else(|| {
+            let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
+            Error::Unsupported(format!("cannot write structures as {name}; the formats are {}", names.join(", ")))
+        })
+    }
+
+    /// The format that the extension of a file name asks for.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] naming those there are.
+    pub fn from_path(path: &Path) -> Result<&'static StructureFormat> {
+        match path.extension() {
+            Some(extension) => Self::from_name(&extension.to_string_lossy()),
+            None => {
+                let message = format!("{}: the name says no format; give one with --to", path.display());
+                Err(Error::Unsupported(message))
+            }
+        }
+    }
+
+    /// Whether bonds are written, so that they have to be found first.
+    #[must_use]
+    pub fn holds_bonds(&self) -> bool {
+        self.holds.contains(&Part::Bonds)
+    }
+
+    /// What of these records does not get into the file, one sentence each; empty if nothing is lost.
+    #[must_use]
+    pub fn losses(&self, records: &[Structure]) -> Vec<String> {
+        let mut losses = Vec::new();
+        let mut written = records;
+        if !self.all_frames && !records.is_empty() {
+            let count = records.len();
+            if count > 1 {
+                losses.push(format!("only the first of {count} records is written; --record N chooses another"));
+            }
+            let frames = records[0].frames().len();
+            if frames > 1 {
+                losses.push(format!("only the first of {frames} frames is written; --frame N chooses another"));
+            }
+            written = &records[..1];
+        }
+        let lost = |part: &Part| !self.holds.contains(part) && written.iter().any(|record| part.is_in(record));
+        let mut names: Vec<&str> = Part::ALL.iter().filter(|part| lost(part)).map(|part| part.name()).collect();
+        names.dedup();
+        if !names.is_empty() {
+            losses.push(format!("{} has no place for these, left out: {}", self.name, names.join(", ")));
+        }
+        losses
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::Element;
+    use crate::structure::{AtomRecord, Bond, BondOrder, BondSource, Diagnostics, StructureBuilder};
+
+    fn charged() -> Structure {
+        let mut builder = StructureBuilder::new();
+        builder.push_atom(&AtomRecord { element: Element::N, formal_charge: 1, isotope: 15, ..AtomRecord::default() });
+        builder.push_atom(&AtomRecord { element: Element::H, isotope: 2, ..AtomRecord::default() });
+        builder.push_bond(Bond::new(0, 1, BondOrder::Single, BondSource::File));
+        builder.push_property("IC50", "3 nM");
+        assert!(builder.push_frame(&[glam::DVec3::ZERO, glam::DVec3::X], None, ""));
+        builder.build(&mut Diagnostics::default())
+    }
+
+    #[test]
+    fn what_a_format_cannot_hold_is_named() {
+        let records = [charged(), charged()];
+        let xyz = StructureFormat::from_name("xyz").unwrap().losses(&records);
+        assert_eq!(xyz, ["xyz has no place for these, left out: bonds, formal charges, isotopes, data fields"]);
+        let json = StructureFormat::from_name("JSON").unwrap().losses(&records);
+        assert_eq!(json.len(), 3);
+        assert!(json[0].contains("first of 2 records") && json[1].contains("first of 2 frames"));
+        assert!(json[2].ends_with("left out: data fields"), "{json:?}");
+    }
+
+    #[test]
+    fn nothing_lost_says_nothing() {
+        let mut builder = StructureBuilder::new();
+        builder.push_atom(&AtomRecord { element: Element::H, isotope: 2, ..AtomRecord::default() });
+        let record = builder.build(&mut Diagnostics::default());
+        for format in FORMATS {
+            assert!(format.losses(std::slice::from_ref(&record)).is_empty(), "{}", format.name);
+        }
+    }
+
+    #[test]
+    fn unknown_names_are_errors_that_list_the_known_ones() {
+        let error = StructureFormat::from_path(Path::new("a.docx")).unwrap_err().to_string();
+        assert!(error.contains("docx") && error.contains("json, xyz"), "{error}");
+        assert!(StructureFormat::from_path(Path::new("a")).unwrap_err().to_string().contains("--to"));
+    }
+}

@@ -1,0 +1,298 @@
+//! Import: bytes of a molecule file to a [`Document`].
+//!
+//! Way of a file: bytes → decompression (`decompress`) → text (byte order mark, UTF-16, line ends: `text`) → format
+//! by content, then by extension (`detect`) → the format's reader → records and frames (`collect`).
+//!
+//! Readers never guess bonds: they hand on those the file states and say whether the list is whole. They are lenient
+//! in layout and strict in values: what cannot be read is left out, with a diagnostic that names the line. An
+//! [`Error`] is returned only where no molecule can be had, or a limit would be passed.
+//!
+//! Limits: the whole file is held in memory while it is read.
+
+mod collect;
+mod decompress;
+mod detect;
+mod json;
+mod number;
+mod pdb;
+mod sdf;
+mod symbol;
+mod text;
+mod xyz;
+
+use crate::error::{Error, Result};
+use crate::structure::{Diagnostic, Diagnostics, Structure};
+use std::io::Read;
+use std::path::Path;
+
+/// How to read.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ImportOptions {
+    /// What reading may cost. Default: [`Limits::default`].
+    pub limits: Limits,
+    /// The format; `None` finds it out from the content, then from the extension. Default: `None`.
+    pub format: Option<Format>,
+}
+
+/// What reading may cost: guards against broken and hostile files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Bytes of a file after decompression. Default: 8 GiB.
+    pub decompressed_bytes: u64,
+    /// How many times larger than its compressed bytes a file may become, counted past the first 16 MiB.
+    /// Default: 100 (coordinates compress 3 to 10 times; deflate's own bound is about 1032).
+    pub ratio: u32,
+    /// Atoms of one record. Default: 200,000,000.
+    pub atoms: usize,
+    /// Records of a file; those beyond are left out with an error. Default: 250,000 (a record takes a kilobyte
+    /// beside its atoms, which a hostile file states in a dozen bytes).
+    pub records: usize,
+    /// Bytes of one line, in formats made of lines. Default: 1 MiB.
+    pub line_bytes: usize,
+    /// Levels of arrays and objects in a JSON file. Default: 64; more than 127 is as 127.
+    pub json_depth: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Limits {
+            decompressed_bytes: 8 << 30,
+            ratio: 100,
+            atoms: 200_000_000,
+            records: 250_000,
+            line_bytes: 1 << 20,
+            json_depth: 64,
+        }
+    }
+}
+
+/// A file format that can be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Format {
+    /// Protein Data Bank, format version 3.3.
+    Pdb,
+    /// XYZ and extended XYZ.
+    Xyz,
+    /// MDL MOL and SD files, V2000.
+    Sdf,
+    /// Our own JSON.
+    BallstickJson,
+    /// Chemical JSON (Avogadro).
+    ChemicalJson,
+    /// The JSON of imolecule.
+    ImoleculeJson,
+}
+
+impl Format {
+    /// All formats.
+    pub const ALL: [Format; 6] =
+        [Format::Pdb, Format::Xyz, Format::Sdf, Format::BallstickJson, Format::ChemicalJson, Format::ImoleculeJson];
+
+    /// The name on the command line and in `info --json`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Format::Pdb => "pdb",
+            Format::Xyz => "xyz",
+            Format::Sdf => "sdf",
+            Format::BallstickJson => "json",
+            Format::ChemicalJson => "cjson",
+            Format::ImoleculeJson => "imolecule",
+        }
+    }
+
+    /// The format of a name ([`Format::name`], or a file name extension such as `ent` or `mol`), in any case.
+    ///
+    /// ```
+    /// use ballstick::import::Format;
+    /// assert_eq!(Format::from_name("MOL"), Some(Format::Sdf));
+    /// assert_eq!(Format::from_name("doc"), None);
+    /// ```
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Format> {
+        let name = name.to_ascii_lowercase();
+        match name.as_str() {
+            // `pdb1` … are biological assemblies of the PDB.
+            "ent" => Some(Format::Pdb),
+            _ if name.strip_prefix("pdb").is_some_and(|tail| tail.bytes().all(|b| b.is_ascii_digit())) => {
+                Some(Format::Pdb)
+            }
+            "extxyz" | "exyz" => Some(Format::Xyz),
+            "mol" | "sd" | "mdl" => Some(Format::Sdf),
+            _ => Format::ALL.into_iter().find(|format| format.name() == name),
+        }
+    }
+}
+
+impl std::fmt::Display for Format {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// What a file holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Document {
+    /// The format it was read as.
+    pub format: Format,
+    /// The records, at least one. Frames (of XYZ, models of PDB) that follow one another with the same atoms are
+    /// frames of one record; records of an SD file stay records.
+    pub records: Vec<Structure>,
+    /// What the reader noticed.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl Document {
+    /// Number of frames, all records together.
+    #[must_use]
+    pub fn frame_count(&self) -> usize {
+        self.records.iter().map(|record| record.frames().len()).sum()
+    }
+
+    /// Record, and frame in that record, of frame `index` (from 0) of the file; `None` if there is no such frame.
+    #[must_use]
+    pub fn frame(&self, index: usize) -> Option<(usize, usize)> {
+        let mut rest = index;
+        for (record, structure) in self.records.iter().enumerate() {
+            let frames = structure.frames().len();
+            if rest < frames {
+                return Some((record, rest));
+            }
+            rest -= frames;
+        }
+        None
+    }
+}
+
+/// Reads a file; `-` is standard input.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be opened or read, else as [`read_bytes`].
+pub fn read_path(path: &Path, options: &ImportOptions) -> Result<Document> {
+    let limit = options.limits.decompressed_bytes;
+    let io_error = |source| Error::Io { action: "read", path: path.to_owned(), source };
+    let mut bytes = Vec::new();
+    // `take` stops at what never ends (a pipe, a device) as well.
+    if path.as_os_str() == "-" {
+        std::io::stdin().lock().take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(io_error)?;
+    } else {
+        let file = std::fs::File::open(path).map_err(io_error)?;
+        let size = file.metadata().map_or(0, |metadata| metadata.len());
+        if size > limit {
+            return Err(too_large(limit));
+        }
+        bytes.reserve_exact(usize::try_from(size).map_or(0, |size| size.saturating_add(1)));
+        file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(io_error)?;
+    }
+    if bytes.len() as u64 > limit {
+        return Err(too_large(limit));
+    }
+    read_owned(bytes, &path.file_name().unwrap_or_default().to_string_lossy(), options)
+}
+
+/// Reads a file that is in memory already. `name_hint` is its name, if it has one: where the content leaves the
+/// format open, the extension decides.
+///
+/// ```
+/// use ballstick::import::{read_bytes, ImportOptions};
+/// let water = b"3\nwater\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n";
+/// let document = read_bytes(water, "water.xyz", &ImportOptions::default())?;
+/// assert_eq!(document.records[0].atom_count(), 3);
+/// # Ok::<(), ballstick::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Input`] if no molecule can be had from the bytes, [`Error::Limit`] if one of [`Limits`] would be passed,
+/// [`Error::Unsupported`] for formats that are known but not read.
+pub fn read_bytes(bytes: &[u8], name_hint: &str, options: &ImportOptions) -> Result<Document> {
+    let mut diagnostics = Diagnostics::default();
+    let plain = decompress::decompress(bytes, &options.limits, &mut diagnostics)?;
+    read_plain(&plain, name_hint, options, diagnostics)
+}
+
+/// As [`read_bytes`]; compressed bytes are freed before parsing.
+fn read_owned(bytes: Vec<u8>, name_hint: &str, options: &ImportOptions) -> Result<Document> {
+    if !decompress::is_compressed(&bytes) {
+        return read_plain(&bytes, name_hint, options, Diagnostics::default());
+    }
+    let mut diagnostics = Diagnostics::default();
+    let plain = decompress::decompress(&bytes, &options.limits, &mut diagnostics)?.into_owned();
+    drop(bytes);
+    read_plain(&plain, name_hint, options, diagnostics)
+}
+
+fn read_plain(
+    bytes: &[u8],
+    name_hint: &str,
+    options: &ImportOptions,
+    mut diagnostics: Diagnostics,
+) -> Result<Document> {
+    let text = text::normalise(bytes, &mut diagnostics);
+    let format = match options.format {
+        Some(format) => detect::Detected::Format(format),
+        None => detect::detect(&text, name_hint, &mut diagnostics)?,
+    };
+    let mut records = collect::Records::new(&options.limits);
+    let format = match format {
+        detect::Detected::Json => json::read(&text, None, &mut records, &mut diagnostics)?,
+        detect::Detected::Format(format @ (Format::BallstickJson | Format::ChemicalJson | Format::ImoleculeJson)) => {
+            json::read(&text, Some(format), &mut records, &mut diagnostics)?
+        }
+        detect::Detected::Format(format @ Format::Pdb) => {
+            pdb::read(&text, &mut records, &mut diagnostics)?;
+            format
+        }
+        detect::Detected::Format(format @ Format::Xyz) => {
+            xyz::read(&text, &mut records, &mut diagnostics)?;
+            format
+        }
+        detect::Detected::Format(format @ Format::Sdf) => {
+            sdf::read(&text, &mut records, &mut diagnostics)?;
+            format
+        }
+    };
+    records.finish(format, diagnostics)
+}
+
+/// How far from the origin an atom may be, in ångström (1 cm): squares of distances stay far inside f32's range,
+/// and no molecule file means it.
+const FARTHEST: f64 = 1e8;
+
+/// Whether a position is a number and not absurd; readers leave out atoms whose position is not.
+#[inline]
+fn is_plausible(position: glam::DVec3) -> bool {
+    position.abs().max_element() <= FARTHEST && !position.is_nan()
+}
+
+fn too_large(limit: u64) -> Error {
+    Error::limit(None, format!("the file has more than {limit} bytes (limit `decompressed_bytes`)"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_read_back_as_formats() {
+        for format in Format::ALL {
+            assert_eq!(Format::from_name(format.name()), Some(format));
+        }
+        assert_eq!(Format::from_name("pdb1"), Some(Format::Pdb));
+        assert_eq!(Format::from_name("pdbqt"), None);
+    }
+
+    #[test]
+    fn frames_are_counted_across_records() {
+        let text = "1\n\nC 0 0 0\n1\n\nC 1 0 0\n1\n\nN 0 0 0\n";
+        let document = read_bytes(text.as_bytes(), "a.xyz", &ImportOptions::default()).unwrap();
+        assert_eq!((document.records.len(), document.frame_count()), (2, 3));
+        assert_eq!([0, 1, 2, 3].map(|i| document.frame(i)), [Some((0, 0)), Some((0, 1)), Some((1, 0)), None]);
+    }
+
+    #[test]
+    fn a_missing_file_is_an_io_error() {
+        let error = read_path(Path::new("no/such/file.pdb"), &ImportOptions::default()).unwrap_err();
+        assert!(matches!(error, Error::Io { .. }), "{error}");
+    }
+}

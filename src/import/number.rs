@@ -1,0 +1,205 @@
+//! Numbers in text: exact, quick for the usual short decimals, and able to read Fortran's.
+//!
+//! Method: a decimal of at most 15 significant digits and 22 decimals is an integer below 2⁵³ divided by a power of
+//! ten that an f64 holds exactly, so one division rounds correctly (Clinger, "How to read floating point numbers
+//! accurately", PLDI 1990). Everything else goes to the standard library's parser, which is exact too.
+
+use super::text::next_word;
+
+/// Powers of ten that an f64 holds exactly.
+const TEN: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
+    1e21, 1e22,
+];
+
+/// A number and the decimals it was written with. `nan` and `inf` are numbers here: callers test with `is_finite`.
+/// `None` for what is no number, blanks around it included.
+#[inline]
+pub(super) fn parse_f64(text: &[u8]) -> Option<(f64, u8)> {
+    let (negative, digits) = match text {
+        [b'-', rest @ ..] => (true, rest),
+        [b'+', rest @ ..] => (false, rest),
+        _ => (false, text),
+    };
+    let mut mantissa = 0u64;
+    let mut length = 0usize;
+    let mut point = usize::MAX;
+    for (index, &byte) in digits.iter().enumerate() {
+        let digit = byte.wrapping_sub(b'0');
+        if digit < 10 {
+            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+            length += 1;
+        } else if byte == b'.' && point == usize::MAX {
+            point = index;
+        } else {
+            return parse_slowly(text);
+        }
+    }
+    if length == 0 {
+        return None;
+    }
+    if length > 15 {
+        return parse_slowly(text);
+    }
+    let decimals = if point == usize::MAX { 0 } else { length - point };
+    let value = mantissa as f64 / TEN[decimals];
+    Some((if negative { -value } else { value }, decimals as u8))
+}
+
+/// The next blank-separated number of a line, its decimals, and what follows it: [`parse_f64`] of the next word, but in
+/// one walk over the bytes where it is a usual one.
+#[inline]
+pub(super) fn next_f64(line: &[u8]) -> Option<(f64, u8, &[u8])> {
+    let start = line.iter().position(|&byte| byte != b' ')?;
+    let (negative, first) = match line[start] {
+        b'-' => (true, start + 1),
+        b'+' => (false, start + 1),
+        _ => (false, start),
+    };
+    let mut mantissa = 0u64;
+    let mut point = usize::MAX;
+    let mut index = first;
+    while let Some(&byte) = line.get(index) {
+        let digit = byte.wrapping_sub(b'0');
+        if digit < 10 {
+            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+        } else if byte == b'.' && point == usize::MAX {
+            point = index;
+        } else {
+            break;
+        }
+        index += 1;
+    }
+    let has_point = point != usize::MAX;
+    let length = index - first - usize::from(has_point);
+    let ended = matches!(line.get(index), None | Some(b' '));
+    if !ended || length == 0 || length > 15 {
+        let (word, rest) = next_word(line)?;
+        let (value, decimals) = parse_f64(word)?;
+        return Some((value, decimals, rest));
+    }
+    let decimals = if has_point { index - point - 1 } else { 0 };
+    let value = mantissa as f64 / TEN[decimals];
+    Some((if negative { -value } else { value }, decimals as u8, &line[index..]))
+}
+
+/// Exponents (Fortran's `D` too), long numbers, `nan`, `inf`.
+#[cold]
+fn parse_slowly(text: &[u8]) -> Option<(f64, u8)> {
+    // The longest f64 that is written out in full has about 770 digits; more is no number of a molecule file.
+    if text.len() > 800 {
+        return None;
+    }
+    let text = std::str::from_utf8(text).ok()?.replace(['d', 'D'], "e");
+    let value: f64 = text.parse().ok()?;
+    let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((&text, "0"));
+    let decimals = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len()) as i64;
+    let exponent: i64 = exponent.parse().unwrap_or(0);
+    Some((value, u8::try_from(decimals.saturating_sub(exponent).max(0)).unwrap_or(u8::MAX)))
+}
+
+/// A decimal integer with an optional sign; `None` for anything else and for what an i64 does not hold.
+#[inline]
+pub(super) fn parse_i64(text: &[u8]) -> Option<i64> {
+    let (negative, digits) = match text {
+        [b'-', rest @ ..] => (true, rest),
+        [b'+', rest @ ..] => (false, rest),
+        _ => (false, text),
+    };
+    if digits.is_empty() {
+        return None;
+    }
+    let mut value = 0i64;
+    for &byte in digits {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            return None;
+        }
+        value = value.checked_mul(10)?.checked_add(i64::from(digit))?;
+    }
+    Some(if negative { -value } else { value })
+}
+
+/// The decimals needed to write these values, at least `at_least`: for numbers that come without their text (JSON).
+pub(super) fn decimals_of(values: &[f64], at_least: u8) -> u8 {
+    let most = crate::structure::Positions::MAX_DECIMALS;
+    let mut decimals = at_least.min(most);
+    for &value in values {
+        while decimals < most {
+            let scale = TEN[usize::from(decimals)];
+            if (value * scale).round() / scale == value {
+                break;
+            }
+            decimals += 1;
+        }
+    }
+    decimals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn usual_and_odd_numbers_read_exactly() {
+        for (text, value, decimals) in [
+            ("0", 0.0, 0),
+            ("-1.500", -1.5, 3),
+            (".5", 0.5, 1),
+            ("5.", 5.0, 0),
+            ("+7.25", 7.25, 2),
+            ("1.5e-3", 0.0015, 4),
+            ("1.5D+02", 150.0, 0),
+            ("1d0", 1.0, 0),
+            ("0.1234567890123456789", 0.123_456_789_012_345_68, 19),
+            ("-9999999999999999", -9_999_999_999_999_999.0, 0),
+        ] {
+            assert_eq!(parse_f64(text.as_bytes()), Some((value, decimals)), "{text}");
+        }
+        assert!(parse_f64(b"nan").unwrap().0.is_nan() && parse_f64(b"-inf").unwrap().0.is_infinite());
+    }
+
+    #[test]
+    fn what_is_no_number_is_none() {
+        for text in ["", "-", ".", "+.", "1.2.3", "1,5", " 1", "1 ", "0x10", "1e", "********", "1_0", "--1"] {
+            assert_eq!(parse_f64(text.as_bytes()), None, "{text:?}");
+        }
+        for text in ["", "-", "1.0", " 1", "99999999999999999999"] {
+            assert_eq!(parse_i64(text.as_bytes()), None, "{text:?}");
+        }
+        assert_eq!(parse_i64(b"-12"), Some(-12));
+    }
+
+    #[test]
+    fn numbers_follow_one_another() {
+        let mut line: &[u8] = b"  1.50 -2\t3d1  +.25";
+        let mut found = Vec::new();
+        while let Some((value, decimals, rest)) = next_f64(line) {
+            found.push((value, decimals));
+            line = rest;
+        }
+        assert_eq!(found, [(1.5, 2), (-2.0, 0), (30.0, 0), (0.25, 2)]);
+        for text in ["", "   ", "-", "x", " 1x", "1.2.3 4"] {
+            assert_eq!(next_f64(text.as_bytes()), None, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn decimals_of_bare_numbers_are_found() {
+        assert_eq!(decimals_of(&[1.0, -2.0], 0), 0);
+        assert_eq!(decimals_of(&[1.5, 0.123], 0), 3);
+        assert_eq!(decimals_of(&[1.5], 6), 6);
+        assert_eq!(decimals_of(&[1.0 / 3.0], 0), crate::structure::Positions::MAX_DECIMALS);
+    }
+
+    proptest! {
+        #[test]
+        fn the_quick_way_gives_what_the_standard_library_gives(text in "-?[0-9]{1,9}\\.[0-9]{0,9}") {
+            prop_assert_eq!(parse_f64(text.as_bytes()).unwrap().0, text.parse::<f64>().unwrap());
+            let (value, decimals, rest) = next_f64(text.as_bytes()).unwrap();
+            prop_assert_eq!((value, decimals), parse_f64(text.as_bytes()).unwrap());
+            prop_assert!(rest.is_empty());
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! Whatever the bytes are: no panic, no hang, no memory out of proportion.
+//!
+//! Every molecule in `data/` and every seed below is cut at many points and has bytes changed; headers that promise
+//! more than there is stand by themselves. A panic fails the test; results may be anything.
+
+use ballstick::import::{Format, ImportOptions, read_bytes};
+use std::path::{Path, PathBuf};
+
+/// Marsaglia's xorshift64 ("Xorshift RNGs", J. Stat. Soft. 8(14), 2003): the same changes on every machine.
+struct Xorshift(u64);
+
+impl Xorshift {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        usize::try_from(self.next() % end.max(1) as u64).unwrap_or(0)
+    }
+}
+
+/// One small file of each format, with most of what the format can say.
+const SEEDS: [(&str, &str); 6] = [
+    (
+        "seed.pdb",
+        "HEADER    TEST\nTITLE     TEST\nCRYST1   10.000   11.000   12.000  90.00  91.00  92.00 P 1           1\n\
+         HELIX    1   1 SER A    1  GLY A    2  1                                   2\n\
+         SSBOND   1 CYS A    1    CYS A    2                          1555   1555  2.03\n\
+         LINK         SG  CYS A   1                ZN    ZN A   3     1555   1555  2.30\nMODEL        1\n\
+         ATOM  99999  SG ACYS A   1A     11.104   6.134  -6.504  0.50 10.00           S1-\n\
+         ATOM  A0000  SG  CYS A   2      12.104   6.134  -6.504  1.00 10.00           S\n\
+         HETATM186a0 ZN    ZN A   3      13.104   6.134  -6.504  1.00 10.00\n\
+         CONECT99999A0000A0000\nENDMDL\nMODEL        2\n\
+         ATOM  99999  SG ACYS A   1A     11.104   6.134  -6.504  0.50 10.00           S1-\nENDMDL\nEND\n",
+    ),
+    (
+        "seed.xyz",
+        "2\nLattice=\"5 0 0 0 5 0 0 0 5\" Properties=species:S:1:pos:R:3:forces:R:3:ok:L:1 e=\"a b\"\n\
+         C 0.0 0.0 0.0 1 2 3 T\nO 1.2 0.0 0.0 1 2 3 F\n2\nplain\n6 0.0D0 0 0 1 2 3\nO1 1.2 0 0 1 2 3\n",
+    ),
+    (
+        "seed.sdf",
+        "name\n prog\n\n  3  2  0  0  0  0  0  0  0  0999 V2000\n\
+         \x20   0.0000    0.0000    0.0000 C   1  3  0  0  0  0\n\
+         \x20   1.0000    0.0000    0.0000 R#  0  0  0  0  0  0\n\
+         \x20   2.0000    0.0000    0.0000 D   0  4  0  0  0  0\n\
+         \x20 1  2  2  3\n  2  3  4  1\nM  CHG  1   1  -1\nM  ISO  1   3   2\nA    1\nR\nM  END\n\
+         > <X>\n1\n2\n\n$$$$\n",
+    ),
+    (
+        "seed.json",
+        r#"{"title":"t","atoms":[{"element":"C","position":[0,0.5,1e0],"charge":1,"residue":"A","chain":"é"},
+        {"element":8,"position":[1,2,3],"name":"O1"}],"bonds":[{"atoms":[0,1],"order":1.5,"kind":"dative","source":"link"}],
+        "cell":{"a":1,"b":2,"c":3,"alpha":90,"beta":90,"gamma":90}}"#,
+    ),
+    (
+        "seed.cjson",
+        r#"{"chemicalJson":1,"atoms":{"elements":{"number":[6,8]},"coords":{"3d":[0,0,0,1,0,0],
+        "3dSets":[[0,0,0,1,0,0],[0,0,0,2,0,0]]},"formalCharges":[0,-1],"labels":["a","b"]},
+        "bonds":{"connections":{"index":[0,1]},"order":[2]},"unitCell":{"cellVectors":[1,0,0,0,1,0,0,0,1]}}"#,
+    ),
+    (
+        "seed-imolecule.json",
+        r#"{"atoms":[{"element":"H","location":[0,0,0]},{"element":"H","location":[0,0,0.7]}],
+        "bonds":[{"atoms":[0,1],"order":1}],"unitcell":[[1,0,0],[0,1,0],[0,0,1]]}"#,
+    ),
+];
+
+/// Larger files are left out: each is read two hundred times.
+const MAX_BYTES: u64 = 256 << 10;
+
+fn data_files(folder: &Path, found: &mut Vec<PathBuf>) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            data_files(&path, found);
+        } else if entry.metadata().is_ok_and(|metadata| metadata.len() <= MAX_BYTES) {
+            found.push(path);
+        }
+    }
+    found.sort();
+}
+
+/// Cuts and changes a file in two hundred ways.
+fn torment(name: &str, bytes: &[u8]) {
+    let options = ImportOptions::default();
+    for point in 0..100 {
+        let _any = read_bytes(&bytes[..bytes.len() * point / 100], name, &options);
+    }
+    let mut random = Xorshift(0x9E37_79B9_7F4A_7C15);
+    for _ in 0..100 {
+        let mut changed = bytes.to_vec();
+        for _ in 0..=random.below(8) {
+            let (at, bit) = (random.below(changed.len()), random.below(8));
+            if let Some(byte) = changed.get_mut(at) {
+                *byte ^= 1 << bit;
+            }
+        }
+        let _any = read_bytes(&changed, name, &options);
+    }
+}
+
+#[test]
+fn data_files_may_be_cut_and_changed_anywhere() {
+    let mut files = Vec::new();
+    data_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data"), &mut files);
+    let mut tried = 0;
+    for path in files {
+        let bytes = std::fs::read(&path).expect("files in data/ can be read");
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if read_bytes(&bytes, &name, &ImportOptions::default()).is_ok() {
+            torment(&name, &bytes);
+            tried += 1;
+        }
+    }
+    println!("tried {tried} files");
+    assert!(tried > 0, "no file in data/ could be read");
+}
+
+#[test]
+fn seeds_of_all_formats_may_be_cut_and_changed_anywhere() {
+    let mut formats = std::collections::HashSet::new();
+    for (name, text) in SEEDS {
+        let document = read_bytes(text.as_bytes(), name, &ImportOptions::default()).expect(name);
+        formats.insert(document.format);
+        torment(name, text.as_bytes());
+    }
+    assert_eq!(formats.len(), SEEDS.len(), "each seed is of its own format: {formats:?}");
+}
+
+#[test]
+fn any_bytes_may_claim_any_format() {
+    let mut random = Xorshift(42);
+    for format in Format::ALL {
+        let options = ImportOptions { format: Some(format), ..ImportOptions::default() };
+        for length in [0, 1, 7, 80, 4000] {
+            let bytes: Vec<u8> = (0..length).map(|_| random.next().to_le_bytes()[0]).collect();
+            let _any = read_bytes(&bytes, "", &options);
+        }
+        for (_, seed) in SEEDS {
+            let _any = read_bytes(seed.as_bytes(), "", &options);
+        }
+    }
+}
+
+#[test]
+fn headers_that_promise_too_much_are_refused() {
+    let deep = format!("{{\"x\":{}", "[".repeat(1_000_000));
+    let cells = "{\"atoms\":{\"elements\":{\"number\":[1]},\"coords\":{\"3d\":[0,0]}}}";
+    let columns = format!("1\nProperties=species:S:1:pos:R:3:x:R:{}\nC 0 0 0\n", u64::MAX);
+    let line = format!("1\n\nC 0 0 0{}\n", " ".repeat(2 << 20));
+    for text in [
+        "4294967295\n\nC 0 0 0\n",
+        "18446744073709551616\n\nC 0 0 0\n",
+        "-1\n\nC 0 0 0\n",
+        "0\n\n",
+        "\n\n\n999999  0  0  0  0  0  0  0  0  0999 V2000\n",
+        "\n\n\n999999  0  0  0  0999 V2000\n    0.0000    0.0000    0.0000 C\n",
+        "\n\n\n -1 -1  0  0  0  0  0  0  0  0999 V2000\nM  END\n",
+        "ATOM      1  C\n",
+        "MODEL\nENDMDL\n",
+        "{",
+        "{\"atoms\":1}",
+        "\0\0\0\0\0\0\0\0",
+        &deep,
+        cells,
+        &line,
+        "",
+    ] {
+        let result = read_bytes(text.as_bytes(), "x", &ImportOptions::default());
+        assert!(result.is_err(), "{:?}", &text[..text.len().min(60)]);
+    }
+    let _any = read_bytes(columns.as_bytes(), "x.xyz", &ImportOptions::default());
+}

@@ -1,0 +1,442 @@
+//! The program itself, run in a folder of its own: output, exit status, standard input and output, what is left behind.
+
+use serde_json::Value;
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use tempfile::TempDir;
+
+const WATER: &str = "3\nwater\nO 0.000 0.000 0.117\nH 0.000 0.757 -0.470\nH 0.000 -0.757 -0.470\n";
+const METHANE: &str =
+    "5\nmethane\nC 0 0 0\nH 0.63 0.63 0.63\nH -0.63 -0.63 0.63\nH -0.63 0.63 -0.63\nH 0.63 -0.63 -0.63\n";
+const TWO_FRAMES: &str = "1\nfirst\nAr 0 0 0\n1\nsecond\nAr 1 2 3\n";
+const SALT: &str = "2\nLattice=\"4 0 0 0 4 0 0 0 4\" Properties=species:S:1:pos:R:3\nNa 0 0 0\nCl 2 0 0\n";
+const PEPTIDE: &str = "\
+ATOM      1  N   GLY A   1      -1.195   0.201  -0.206  1.00 10.00           N  \n\
+ATOM      2  CA  GLY A   1       0.230   0.318  -0.502  1.00 10.00           C  \n\
+ATOM      3  C   GLY A   1       1.059  -0.390   0.542  1.00 10.00           C  \n\
+ATOM      4  O   GLY A   1       0.545  -0.975   1.499  1.00 10.00           O  \n\
+HETATM    5  O   HOH B 101      10.000  10.000  10.000  1.00 10.00           O  \n\
+END\n";
+
+struct Case {
+    folder: TempDir,
+}
+
+impl Case {
+    fn new(files: &[(&str, &str)]) -> Case {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            fs::write(folder.path().join(name), text).unwrap();
+        }
+        Case { folder }
+    }
+
+    fn run(&self, arguments: &[&str]) -> Run {
+        self.run_with_input(arguments, "")
+    }
+
+    fn run_with_input(&self, arguments: &[&str], input: &str) -> Run {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_ballstick"))
+            .args(arguments)
+            .current_dir(self.folder.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdin.take().unwrap().write_all(input.as_bytes())); // who does not read it may be gone
+        Run(child.wait_with_output().unwrap())
+    }
+
+    fn path(&self, name: &str) -> std::path::PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    /// Names in the folder, hidden ones as well.
+    fn names(&self, folder: &str) -> Vec<String> {
+        let entries = fs::read_dir(self.path(folder)).unwrap();
+        let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+struct Run(Output);
+
+impl Run {
+    #[track_caller]
+    fn status(self, expected: i32) -> Run {
+        assert_eq!(self.0.status.code(), Some(expected), "\n{}\n{}", self.out(), self.err());
+        self
+    }
+
+    fn out(&self) -> String {
+        String::from_utf8_lossy(&self.0.stdout).into_owned()
+    }
+
+    fn err(&self) -> String {
+        String::from_utf8_lossy(&self.0.stderr).into_owned()
+    }
+
+    #[track_caller]
+    fn says(self, text: &str) -> Run {
+        assert!(self.err().contains(text), "{text:?} is not in\n{}", self.err());
+        self
+    }
+
+    fn objects(&self) -> Vec<Value> {
+        self.out().lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    }
+}
+
+#[test]
+fn info_json_has_exactly_the_promised_keys() {
+    let case = Case::new(&[("water.xyz", WATER)]);
+    let run = case.run(&["info", "water.xyz", "--json"]).status(0);
+    let keys: Vec<&str> = vec![
+        "path",
+        "format",
+        "title",
+        "atoms",
+        "bonds",
+        "bond_orders",
+        "elements",
+        "formula",
+        "chains",
+        "residues",
+        "frames",
+        "cell",
+        "diagnostics",
+    ];
+    let object = &run.objects()[0];
+    let mut found: Vec<&str> = object.as_object().unwrap().keys().map(String::as_str).collect();
+    let mut expected = keys.clone();
+    found.sort_unstable();
+    expected.sort_unstable();
+    assert_eq!(found, expected);
+    let expected = serde_json::json!({
+        "path": "water.xyz", "format": "xyz", "title": "water", "atoms": 3, "bonds": 2,
+        "bond_orders": {"1": 2, "2": 0, "3": 0, "aromatic": 0}, "elements": {"H": 2, "O": 1}, "formula": "H2O",
+        "chains": 0, "residues": 0, "frames": 1, "cell": null, "diagnostics": []
+    });
+    assert_eq!(*object, expected);
+    assert_eq!(run.err(), "");
+}
+
+#[test]
+fn info_counts_chains_residues_frames_and_the_cell() {
+    let case = Case::new(&[("p.pdb", PEPTIDE), ("two.xyz", TWO_FRAMES), ("salt.xyz", SALT)]);
+    let objects = case.run(&["info", "--json", "p.pdb", "two.xyz", "salt.xyz"]).status(0).objects();
+    assert_eq!((&objects[0]["chains"], &objects[0]["residues"]), (&2.into(), &2.into()));
+    assert_eq!(objects[0]["formula"], "C2NO2");
+    assert_eq!((&objects[1]["frames"], &objects[1]["atoms"]), (&2.into(), &1.into()));
+    let cell = &objects[2]["cell"];
+    assert_eq!((cell["a"].as_f64(), cell["gamma"].as_f64()), (Some(4.0), Some(90.0)));
+}
+
+#[test]
+fn info_for_people_is_on_standard_output_and_warnings_are_not() {
+    let case = Case::new(&[("water.xyz", WATER)]);
+    let run = case.run(&["info", "water.xyz"]).status(0);
+    assert!(run.out().starts_with("water.xyz: water\n"), "{}", run.out());
+    assert!(run.out().contains("H2O") && run.out().contains("2 single"), "{}", run.out());
+}
+
+#[test]
+fn one_bad_file_does_not_stop_info_and_has_a_line_of_its_own() {
+    let case = Case::new(&[("bad.xyz", "this is no molecule\n"), ("water.xyz", WATER)]);
+    let run = case.run(&["info", "--json", "bad.xyz", "none.xyz", "water.xyz"]).status(1).says("bad.xyz");
+    let objects = run.objects();
+    assert_eq!(objects.len(), 3);
+    assert_eq!(objects[0]["path"], "bad.xyz");
+    assert!(objects[0]["error"]["message"].is_string() && objects[0]["error"].get("line").is_some());
+    assert!(objects[1]["error"]["message"].as_str().unwrap().contains("none.xyz"));
+    assert_eq!(objects[2]["formula"], "H2O");
+}
+
+#[test]
+fn standard_input_and_output_are_a_dash() {
+    let case = Case::new(&[]);
+    let info = case.run_with_input(&["info", "-", "--json"], WATER).status(0);
+    assert_eq!((&info.objects()[0]["path"], &info.objects()[0]["atoms"]), (&"-".into(), &3.into()));
+    let xyz = case.run_with_input(&["convert", "-", "-", "--to", "xyz"], WATER).status(0);
+    assert!(xyz.out().starts_with("3\nwater\nO "), "{}", xyz.out());
+    assert!(case.names("").is_empty());
+}
+
+#[test]
+fn convert_writes_our_json_with_the_files_own_digits() {
+    let case = Case::new(&[("water.xyz", WATER)]);
+    let run = case.run(&["convert", "water.xyz", "water.json"]).status(0);
+    assert_eq!((run.out(), run.err()), (String::new(), String::new()));
+    assert!(case.read("water.json").contains("\"position\":[0.000,0.757,-0.470]"));
+    let json: Value = serde_json::from_str(&case.read("water.json")).unwrap();
+    assert_eq!(json["bonds"].as_array().unwrap().len(), 2);
+    let expected = serde_json::json!(
+        {"atoms": [0, 1], "order": 1, "kind": "covalent", "aromatic": false, "source": "distance"}
+    );
+    assert_eq!(json["bonds"][0], expected);
+    assert_eq!(json["cell"], Value::Null);
+    case.run(&["convert", "water.xyz", "none.json", "--bonds", "none"]).status(0);
+    let json: Value = serde_json::from_str(&case.read("none.json")).unwrap();
+    assert_eq!(json["bonds"], serde_json::json!([]));
+}
+
+#[test]
+fn json_converts_back_to_the_same_molecule() {
+    let case = Case::new(&[("p.pdb", PEPTIDE), ("salt.xyz", SALT)]);
+    for name in ["p.pdb", "salt.xyz"] {
+        case.run(&["convert", name, "one.json"]).status(0);
+        case.run(&["convert", "one.json", "two.json"]).status(0);
+        let read = |name: &str| -> Value { serde_json::from_str(&case.read(name)).unwrap() };
+        let (one, two) = (read("one.json"), read("two.json"));
+        for key in ["atoms", "bonds", "cell"] {
+            assert_eq!(one[key], two[key], "{name} {key}");
+        }
+    }
+}
+
+#[test]
+fn convert_keeps_all_frames_or_says_that_it_does_not() {
+    let case = Case::new(&[("two.xyz", TWO_FRAMES)]);
+    case.run(&["convert", "two.xyz", "all.xyz"]).status(0);
+    assert_eq!(case.read("all.xyz").lines().count(), 6);
+    case.run(&["convert", "two.xyz", "second.xyz", "--frame", "2"]).status(0);
+    assert!(case.read("second.xyz").starts_with("1\nsecond\n"));
+    case.run(&["convert", "two.xyz", "first.json"]).status(0).says("only the first of 2 frames");
+    case.run(&["convert", "two.xyz", "third.xyz", "--frame", "3"]).status(1).says("there are only 2");
+    assert!(!case.path("third.xyz").exists());
+}
+
+#[test]
+fn what_a_format_cannot_hold_is_warned_of() {
+    let case = Case::new(&[("p.pdb", PEPTIDE)]);
+    case.run(&["convert", "p.pdb", "p.xyz"]).status(0).says("residues and chains").says("temperature factors");
+}
+
+#[test]
+fn a_failed_run_keeps_the_old_file_and_leaves_nothing() {
+    let case = Case::new(&[("bad.xyz", "this is no molecule\n")]);
+    fs::create_dir(case.path("out")).unwrap();
+    fs::write(case.path("out/old.json"), "old").unwrap();
+    fs::write(case.path("out/old.png"), "old").unwrap();
+    case.run(&["convert", "bad.xyz", "out/old.json"]).status(1);
+    case.run(&["render", "bad.xyz", "-o", "out/old.png"]).status(1);
+    assert_eq!(case.names("out"), ["old.json", "old.png"]);
+    assert_eq!((case.read("out/old.json"), case.read("out/old.png")), ("old".to_owned(), "old".to_owned()));
+}
+
+#[test]
+fn a_folder_that_is_not_there_or_not_writable_is_an_error_of_that_output() {
+    let case = Case::new(&[("water.xyz", WATER)]);
+    case.run(&["convert", "water.xyz", "no/such/folder.json"]).status(1).says("there is no folder");
+    fs::create_dir(case.path("closed")).unwrap();
+    let mut permissions = fs::metadata(case.path("closed")).unwrap().permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(case.path("closed"), permissions).unwrap();
+    if fs::write(case.path("closed/probe"), "").is_ok() {
+        println!("SKIP closed folder: this user may write everywhere");
+        return;
+    }
+    case.run(&["convert", "water.xyz", "closed/a.json"]).status(1).says("closed/a.json");
+}
+
+#[cfg(unix)]
+#[test]
+fn special_files_are_written_directly() {
+    let case = Case::new(&[("water.xyz", WATER)]);
+    case.run(&["convert", "water.xyz", "/dev/null", "--to", "json"]).status(0);
+    assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    let run = case.run(&["convert", "water.xyz", "/dev/stdout", "--to", "xyz"]).status(0);
+    assert!(run.out().starts_with("3\n"));
+}
+
+#[test]
+fn wrong_command_lines_end_with_2_and_write_nothing() {
+    let case = Case::new(&[("water.xyz", WATER)]);
+    for arguments in [
+        &["render", "water.xyz"][..],
+        &["render", "-o", "a.png"],
+        &["render", "water.xyz", "-o", "a.tiff"],
+        &["render", "water.xyz", "-o", "a"],
+        &["render", "water.xyz", "-o", "a.png", "--size", "big"],
+        &["render", "water.xyz", "-o", "a.png", "--ao", "64"],
+        &["render", "water.xyz", "-o", "a.png", "--region", "0,0,9999,1"],
+        &["render", "water.xyz", "-o", "a.jpg", "--channel", "depth"],
+        &["render", "water.xyz", "-o", "a.png", "--frame", "0"],
+        &["render", "-", "-", "-o", "out/"],
+        &["convert", "water.xyz"],
+        &["convert", "water.xyz", "a.docx"],
+        &["convert", "water.xyz", "-"],
+        &["convert", "water.xyz", "a.json", "--to", "docx"],
+        &["info"],
+        &["info", "water.xyz", "--nonsense"],
+        &[],
+    ] {
+        let run = case.run(arguments);
+        assert_eq!(run.0.status.code(), Some(2), "{arguments:?}\n{}", run.err());
+        assert!(run.out().is_empty() && !run.err().is_empty(), "{arguments:?}");
+    }
+    assert_eq!(case.names(""), ["water.xyz"]);
+}
+
+#[test]
+fn unknown_extensions_are_named_with_the_known_ones() {
+    let case = Case::new(&[("water.xyz", WATER)]);
+    case.run(&["render", "water.xyz", "-o", "a.tiff"]).status(2).says(".tiff").says(".webp");
+    case.run(&["convert", "water.xyz", "a.docx"]).status(2).says("docx").says("json, xyz");
+}
+
+#[test]
+fn help_and_version_are_results() {
+    let case = Case::new(&[]);
+    for arguments in [&["--help"][..], &["render", "--help"], &["info", "-h"], &["--version"]] {
+        let run = case.run(arguments).status(0);
+        assert!(run.out().contains("ballstick") && run.err().is_empty(), "{arguments:?}");
+    }
+    let help = case.run(&["render", "--help"]).out();
+    assert!(help.contains("near_angstrom") && help.contains("{stem}") && !help.contains("--ao"), "{help}");
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let case = Case::new(&[("water.xyz", WATER)]);
+    let mut arguments = vec!["info", "--json"];
+    arguments.extend(std::iter::repeat_n("water.xyz", 2000)); // more than a pipe holds
+    let mut child = Command::new(env!("CARGO_BIN_EXE_ballstick"))
+        .args(arguments)
+        .current_dir(case.folder.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let run = Run(child.wait_with_output().unwrap()).status(0);
+    assert_eq!(run.err(), "");
+}
+
+/// Small and quick: what is drawn is tested elsewhere.
+const QUICK: [&str; 5] = ["--renderer=cpu", "--quality=draft", "--size=64x48", "--no-ground", "--timings"];
+
+fn render(case: &Case, arguments: &[&str]) -> Run {
+    let all: Vec<&str> = ["render"].iter().chain(&QUICK).chain(arguments).copied().collect();
+    case.run(&all)
+}
+
+fn png_size(path: &Path) -> (u32, u32) {
+    let file = fs::read(path).unwrap();
+    assert_eq!(&file[..8], b"\x89PNG\r\n\x1a\n");
+    let word = |at: usize| u32::from_be_bytes(file[at..at + 4].try_into().unwrap());
+    (word(16), word(20))
+}
+
+#[test]
+fn a_batch_draws_one_picture_each_and_one_bad_file_does_not_stop_it() {
+    let case = Case::new(&[("bad.xyz", "this is no molecule\n"), ("water.xyz", WATER), ("methane.xyz", METHANE)]);
+    let run = render(&case, &["bad.xyz", "water.xyz", "methane.xyz", "-o", "new/"]).status(1).says("bad.xyz");
+    assert_eq!(case.names("new"), ["methane.png", "water.png"]);
+    assert_eq!(png_size(&case.path("new/water.png")), (64, 48));
+    assert_eq!(run.out(), "");
+    let timings: Vec<Value> = run
+        .err()
+        .lines()
+        .filter(|line| line.starts_with('{'))
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    assert_eq!(timings.len(), 2);
+    for key in ["read", "bonds", "scene", "render", "encode", "total"] {
+        assert!(timings[0][key].as_f64().is_some_and(|seconds| seconds >= 0.0), "{key}");
+    }
+    assert_eq!((&timings[1]["atom_count"], &timings[1]["bond_count"]), (&5.into(), &4.into()));
+}
+
+#[test]
+fn all_formats_are_what_their_names_say() {
+    let case = Case::new(&[("water.xyz", WATER)]);
+    for (name, magic) in [
+        ("a.png", &b"\x89PNG"[..]),
+        ("a.jpg", b"\xFF\xD8\xFF"),
+        ("a.webp", b"RIFF"),
+        ("a.ppm", b"P6"),
+        ("a.npy", b"\x93NUMPY"),
+    ] {
+        render(&case, &["water.xyz", "-o", name]).status(0);
+        assert!(fs::read(case.path(name)).unwrap().starts_with(magic), "{name}");
+    }
+}
+
+#[test]
+fn a_region_is_that_part_of_the_full_picture() {
+    let case = Case::new(&[("water.xyz", WATER)]);
+    render(&case, &["water.xyz", "-o", "full.ppm"]).status(0);
+    render(&case, &["water.xyz", "-o", "part.ppm", "--region", "10,20,30,8"]).status(0);
+    let pixels = |name: &str, bytes: usize| {
+        let file = fs::read(case.path(name)).unwrap();
+        file[file.len() - bytes..].to_vec()
+    };
+    let (full, part) = (pixels("full.ppm", 64 * 48 * 3), pixels("part.ppm", 30 * 8 * 3));
+    for y in 0..8 {
+        let start = ((y + 20) * 64 + 10) * 3;
+        assert_eq!(part[y * 90..(y + 1) * 90], full[start..start + 90], "row {y}");
+    }
+    assert!(full.iter().any(|&value| value != full[0]), "nothing is drawn");
+}
+
+#[test]
+fn pictures_and_channels_go_to_standard_output() {
+    let case = Case::new(&[("water.xyz", WATER)]);
+    let run = render(&case, &["water.xyz", "-o", "-"]).status(0);
+    assert!(run.0.stdout.starts_with(b"\x89PNG"));
+    let run = render(&case, &["water.xyz", "-o", "-", "--to", "npy", "--channel", "id"]).status(0);
+    assert!(run.0.stdout.starts_with(b"\x93NUMPY"));
+    let ids: Vec<u8> = run.0.stdout[run.0.stdout.len() - 64 * 48 * 4..].to_vec();
+    let seen: std::collections::BTreeSet<u32> =
+        ids.chunks_exact(4).map(|word| u32::from_le_bytes(word.try_into().unwrap())).collect();
+    assert!(seen.contains(&0) && seen.contains(&1) && seen.iter().all(|&id| id <= 5), "{seen:?}");
+    assert_eq!(case.names(""), ["water.xyz"]);
+}
+
+#[test]
+fn a_transparent_background_is_flattened_with_a_warning_where_the_format_has_none() {
+    let case = Case::new(&[("water.xyz", WATER)]);
+    render(&case, &["water.xyz", "-o", "a.jpg", "--background", "transparent"]).status(0).says("background is white");
+}
+
+#[test]
+fn two_inputs_of_one_name_do_not_overwrite_each_other() {
+    let case = Case::new(&[("water.xyz", WATER)]);
+    fs::create_dir(case.path("other")).unwrap();
+    fs::write(case.path("other/water.xyz"), METHANE).unwrap();
+    let run = render(&case, &["water.xyz", "other/water.xyz", "-o", "{stem}.png"]).status(1).says("already");
+    assert!(run.err().contains("\"atom_count\":3"), "{}", run.err());
+    assert!(!run.err().contains("\"atom_count\":5"), "{}", run.err());
+}
+
+#[test]
+fn an_axis_without_a_cell_is_an_error_that_says_what_to_do() {
+    let case = Case::new(&[("water.xyz", WATER), ("salt.xyz", SALT)]);
+    render(&case, &["water.xyz", "-o", "a.png", "--axis", "111"]).status(1).says("--view");
+    render(&case, &["salt.xyz", "-o", "a.png", "--axis", "1,-1,0"]).status(0);
+}
+
+#[test]
+fn the_same_command_gives_the_same_bytes() {
+    let case = Case::new(&[("methane.xyz", METHANE)]);
+    let picture = || {
+        render(&case, &["methane.xyz", "-o", "a.png"]).status(0);
+        fs::read(case.path("a.png")).unwrap()
+    };
+    assert_eq!(picture(), picture());
+}
+
+#[test]
+fn devices_says_what_auto_uses() {
+    let run = Case::new(&[]).run(&["devices"]).status(0);
+    assert!(run.out().contains("CPU renderer") && run.out().contains("--renderer auto uses"), "{}", run.out());
+}
