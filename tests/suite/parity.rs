@@ -3,10 +3,12 @@
 //! Without an adapter the tests print `SKIP` and the reason; `BALLSTICK_GPU=require` turns that into a failure.
 
 use crate::scenes::{self, Case};
+use ballstick::bonds::{BondOptions, assign};
+use ballstick::import::{ImportOptions, read_path};
 use ballstick::render::cpu::CpuRenderer;
 use ballstick::render::gpu::{AdapterWish, GpuRenderer, adapters};
 use ballstick::render::{GBuffer, Image, Renderer, Settings, View};
-use ballstick::scene::{Background, Block, Placement, Region, Scene};
+use ballstick::scene::{Background, Block, Item, Placement, Region, Scene, SceneOptions, Style};
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
 
@@ -186,6 +188,34 @@ fn gpu_and_cpu_draw_the_same_scenes() {
     for case in &cases {
         if let Err(error) = judge(&mut gpu, case.name, &Arc::new(case.scene.clone()), &case.view) {
             wrong.push(format!("{}: {error}", case.name));
+        }
+    }
+    assert!(wrong.is_empty(), "{}:\n{}", gpu.name(), wrong.join("\n"));
+}
+
+/// All molecules of data/, in turn as balls and sticks, sticks, and space-filling, in both projections. Large ones are
+/// looked at through a part of a larger picture, where their atoms are wide enough to have an inside.
+#[test]
+fn gpu_and_cpu_draw_the_same_molecules() {
+    let Some(mut gpu) = gpu() else { return };
+    let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
+    let mut files: Vec<_> = std::fs::read_dir(data).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.retain(|path| path.is_file() && path.extension().is_none_or(|extension| extension != "md"));
+    files.sort();
+    assert!(files.len() > 5, "data/ is missing");
+    let mut wrong = Vec::new();
+    for (i, path) in files.iter().enumerate() {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let document = read_path(path, &ImportOptions::default()).unwrap();
+        let structure = assign(document.records[0].clone(), &BondOptions::default());
+        let style = [Style::BallAndStick, Style::Licorice, Style::SpaceFilling][i % 3];
+        let options = SceneOptions { style, perspective: i % 2 == 0, ..SceneOptions::default() };
+        let scene = Scene::new(&[Item::of(&structure)], &options);
+        let scale = if structure.atom_count() > 200 { 8 } else { 2 };
+        let mut view = View::new(scene.fitted_camera(16.0 / 9.0), 320 * scale, 180 * scale);
+        view.region = Some(Region { x: 160 * (scale - 1), y: 90 * (scale - 1), width: 320, height: 180 });
+        if let Err(error) = judge(&mut gpu, &name, &Arc::new(scene), &view) {
+            wrong.push(format!("{name}: {error}"));
         }
     }
     assert!(wrong.is_empty(), "{}:\n{}", gpu.name(), wrong.join("\n"));
