@@ -54,12 +54,12 @@ fn rect_from(x: vec2<f32>, y: vec2<f32>, along: vec2<f32>) -> PlaneRect {
     return PlaneRect(along * middle.x + perp(along) * middle.y, half + slack, along, true);
 }
 
-fn circle_slopes(cx: f32, cw: f32, r: f32, ax: f32, aw: f32) -> vec2<f32> {
+fn circle_slopes(cx: f32, cw: f32, r: f32, ax: f32, ay: f32, aw: f32) -> vec2<f32> {
     let r2 = r * r;
     let a = cw * cw - r2 * (1.0 - aw * aw);
     let half_b = cx * cw + r2 * ax * aw;
-    let c = cx * cx - r2 * (1.0 - ax * ax);
-    let root = sqrt(max(half_b * half_b - a * c, 0.0));
+    let facing = cx * ax + cw * aw;
+    let root = r * sqrt(max(facing * facing + ay * ay * (cx * cx + cw * cw - r2), 0.0));
     return vec2<f32>((half_b - root) / a, (half_b + root) / a);
 }
 
@@ -74,12 +74,13 @@ fn project(p: vec3<f32>) -> vec2<f32> {
 fn end_slopes(end: vec3<f32>, radius: f32, is_round: bool, axis: vec3<f32>, direction: vec2<f32>) -> vec2<f32> {
     let cx = dot(direction, end.xy);
     let ax = select(dot(direction, axis.xy), 0.0, is_round);
+    let ay = select(dot(perp(direction), axis.xy), 1.0, is_round);
     let aw = select(-axis.z, 0.0, is_round);
     if is_orthographic() {
         let extent = radius * sqrt(max(1.0 - ax * ax, 0.0));
         return vec2<f32>(cx - extent, cx + extent);
     }
-    return circle_slopes(cx, -end.z, radius, ax, aw);
+    return circle_slopes(cx, -end.z, radius, ax, ay, aw);
 }
 
 fn join(a: vec2<f32>, b: vec2<f32>) -> vec2<f32> {

@@ -34,7 +34,9 @@ fn primitive_distance(index: u32, p: vec3<f32>) -> f32 {
     let y = dot(from_center, second.xyz);
     let across = length(from_center - second.xyz * y);
     let beyond = abs(y) - abs(second.w);
-    let is_round = select(first.w < 0.0, second.w < 0.0, y > 0.0);
+    let round_a = first.w < 0.0;
+    let round_b = second.w < 0.0;
+    let is_round = select(round_a, round_b, y > 0.0);
     if is_round {
         let up = max(beyond, 0.0);
         return sqrt(across * across + up * up) - radius;

@@ -124,11 +124,11 @@ fn slab_interval(q: vec3<f32>, e: vec3<f32>, half_length: f32) -> vec2<f32> {
 fn end_interval(q: vec3<f32>, e: vec3<f32>, y: f32, radius: f32) -> vec2<f32> {
     let p = vec3<f32>(q.x, q.y - y, q.z);
     let dd = dot3(e, e);
-    let pd = dot3(p, e);
-    let discriminant = pd * pd - dd * (dot3(p, p) - radius * radius);
-    let root = sqrt(max(discriminant, 0.0));
-    let crossing = vec2<f32>((-pd - root) / dd, (-pd + root) / dd);
-    return select(crossing, vec2<f32>(NO_HIT, -NO_HIT), discriminant < 0.0);
+    let middle = -dot3(p, e) / dd;
+    let m = p + e * middle;
+    let left = radius * radius - dot3(m, m);
+    let half = sqrt(max(left, 0.0) / dd);
+    return select(vec2<f32>(middle - half, middle + half), vec2<f32>(NO_HIT, -NO_HIT), left < 0.0);
 }
 
 fn has_cap(caps: u32, end: u32, kind: u32) -> bool {
@@ -139,19 +139,10 @@ fn is_open(caps: u32) -> bool {
     return has_cap(caps, 0u, 0u) || has_cap(caps, 1u, 0u);
 }
 
-struct SolidInterval {
-    entry: f32,
-    exit: f32,
-    from_side: bool,
-}
-
-fn solid_interval(q: vec3<f32>, e: vec3<f32>, cylinder: Cylinder) -> SolidInterval {
-    let side = side_interval(q, e, cylinder.radius);
-    let slab = slab_interval(q, e, cylinder.half_length);
+fn body_interval(side: vec2<f32>, slab: vec2<f32>) -> vec2<f32> {
     let entry = max(side.x, slab.x);
     let exit = min(side.y, slab.y);
-    let hit = entry <= exit;
-    return SolidInterval(select(NO_HIT, entry, hit), select(-NO_HIT, exit, hit), side.x >= slab.x);
+    return select(vec2<f32>(NO_HIT, -NO_HIT), vec2<f32>(entry, exit), entry <= exit);
 }
 
 // Both caps flat.
@@ -159,49 +150,62 @@ const FLAT_CAPS: u32 = 5u;
 
 fn cylinder_t(ray: Ray, cylinder: Cylinder, near: f32) -> f32 {
     let local = cylinder_ray(ray, cylinder);
-    let local_near = near - local.t0;
-    var t: f32;
     if cylinder.caps == FLAT_CAPS {
-        let solid = solid_interval(local.q, local.e, cylinder);
-        t = visible_t(solid.entry, solid.exit, local_near);
-    } else {
-        t = capped_t(local.q, local.e, cylinder, local_near);
+        let side = side_interval(local.q, local.e, cylinder.radius);
+        let body = body_interval(side, slab_interval(local.q, local.e, cylinder.half_length));
+        return visible_t(local.t0 + body.x, local.t0 + body.y, near);
     }
-    return select(NO_HIT, local.t0 + t, t < NO_HIT);
+    return capped_t(local.q, local.e, cylinder, local.t0, near);
 }
 
-fn capped_t(q: vec3<f32>, e: vec3<f32>, cylinder: Cylinder, near: f32) -> f32 {
-    let solid = solid_interval(q, e, cylinder);
-    var entry = solid.entry;
-    var exit = solid.exit;
+struct CappedInterval {
+    solid: vec2<f32>,
+    slab: vec2<f32>,
+}
+
+fn capped_interval(q: vec3<f32>, e: vec3<f32>, cylinder: Cylinder) -> CappedInterval {
+    let h = cylinder.half_length;
+    let slab = slab_interval(q, e, h);
+    var solid = body_interval(side_interval(q, e, cylinder.radius), slab);
     for (var end = 0u; end < 2u; end++) {
-        if has_cap(cylinder.caps, end, 2u) {
-            let y = select(cylinder.half_length, -cylinder.half_length, end == 0u);
-            let ball = end_interval(q, e, y, cylinder.radius);
-            entry = min(entry, ball.x);
-            exit = max(exit, ball.y);
+        if !has_cap(cylinder.caps, end, 2u) {
+            continue;
+        }
+        let side = select(1.0, -1.0, end == 0u);
+        var ball = end_interval(q, e, side * h, cylinder.radius);
+        if !has_cap(cylinder.caps, 1u - end, 2u) {
+            if abs(e.y) <= 1e-20 {
+                ball.x = select(NO_HIT, ball.x, side * q.y >= -h);
+            } else if side * e.y > 0.0 {
+                ball.x = max(ball.x, slab.x);
+            } else {
+                ball.y = min(ball.y, slab.y);
+            }
+        }
+        if ball.x <= ball.y {
+            solid = vec2<f32>(min(solid.x, ball.x), max(solid.y, ball.y));
         }
     }
+    return CappedInterval(solid, slab);
+}
+
+// Whether the ray enters, and whether it leaves, through an open end.
+fn through_open_ends(e: vec3<f32>, caps: u32, solid: vec2<f32>, slab: vec2<f32>) -> vec2<bool> {
+    let first = select(0u, 1u, e.y <= 0.0);
+    return vec2<bool>(
+        solid.x == slab.x && has_cap(caps, first, 0u), solid.y == slab.y && has_cap(caps, 1u - first, 0u),
+    );
+}
+
+fn capped_t(q: vec3<f32>, e: vec3<f32>, cylinder: Cylinder, t0: f32, near: f32) -> f32 {
+    let capped = capped_interval(q, e, cylinder);
+    let solid = capped.solid;
+    let entry = t0 + solid.x;
+    let exit = t0 + solid.y;
     if !is_open(cylinder.caps) {
         return visible_t(entry, exit, near);
     }
-    let side = side_interval(q, e, cylinder.radius);
-    if passes_closed(q, e, cylinder, side, entry, near) {
-        return entry;
-    }
-    if passes_closed(q, e, cylinder, side, exit, near) {
-        return exit;
-    }
-    return NO_HIT;
-}
-
-// Whether the crossing at `t` is visible and not through an open end.
-fn passes_closed(q: vec3<f32>, e: vec3<f32>, cylinder: Cylinder, side: vec2<f32>, t: f32, near: f32) -> bool {
-    if !(abs(t) < NO_HIT && t >= near) {
-        return false;
-    }
-    let y = q.y + t * e.y;
-    let end = select(0u, 1u, y > 0.0);
-    let on_side = (t == side.x || t == side.y) && abs(y) <= cylinder.half_length;
-    return on_side || !has_cap(cylinder.caps, end, 0u);
+    let open = through_open_ends(e, cylinder.caps, solid, capped.slab);
+    let far = select(NO_HIT, exit, solid.x <= solid.y && !open.y && exit >= near);
+    return select(far, entry, solid.x <= solid.y && !open.x && entry >= near);
 }

@@ -12,4 +12,8 @@ mod cli;
 mod corpus;
 mod golden;
 mod layering;
+#[cfg(feature = "gpu")]
+mod parity;
 mod scenes;
+#[cfg(feature = "gpu")]
+mod shaders;

@@ -77,6 +77,8 @@ impl Gpu {
             pollster::block_on(validation.pop()),
             pollster::block_on(memory.pop()),
         ];
+        // Callbacks run in polls only: without one a loss would show a step late.
+        self.poll(wgpu::PollType::Poll).ok();
         if let Some(error) = errors.into_iter().flatten().next() {
             return Err(Error::Gpu(format!("{what}: {error}")));
         }
@@ -100,15 +102,22 @@ impl Gpu {
                 submission_index: Some(submission.clone()),
                 timeout: Some(Duration::from_millis(500)),
             };
-            // wgpu-core 30 panics where the wait finds the device lost.
-            let polled = catch_unwind(AssertUnwindSafe(|| self.device.poll(slice)));
-            match polled {
-                Ok(Ok(_)) => return self.trouble.check(),
-                Ok(Err(wgpu::PollError::Timeout)) if start.elapsed() < STUCK => {}
-                Ok(Err(error)) => return Err(Error::Gpu(format!("waiting for the device: {error}"))),
-                Err(_) => return Err(Error::Gpu("the device was lost while waiting for it".to_owned())),
+            match self.poll(slice) {
+                Ok(_) => return self.trouble.check(),
+                Err(Some(wgpu::PollError::Timeout)) if start.elapsed() < STUCK => {}
+                Err(Some(error)) => return Err(Error::Gpu(format!("waiting for the device: {error}"))),
+                Err(None) => return Err(Error::Gpu("the device was lost while waiting for it".to_owned())),
             }
         }
+    }
+
+    /// Polls; `Err(None)` is a panic of wgpu-core 30, which has no other answer where a poll finds the device lost.
+    fn poll(&self, how: wgpu::PollType) -> std::result::Result<wgpu::PollStatus, Option<wgpu::PollError>> {
+        let polled = catch_unwind(AssertUnwindSafe(|| self.device.poll(how)));
+        if polled.is_err() {
+            self.trouble.record("the device is lost".to_owned());
+        }
+        polled.map_err(|_| None)?.map_err(Some)
     }
 
     /// The bytes of a buffer that `submission` fills.

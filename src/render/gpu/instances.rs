@@ -113,7 +113,8 @@ impl Instances {
 
     /// Draws everything in the reference's order: all spheres, then all cylinders.
     pub(super) fn draw(&self, pipelines: &Pipelines, pass: &mut wgpu::RenderPass<'_>) {
-        let kinds: [(_, fn(&BlockBuffers) -> &Chunks); 2] =
+        type ChunksOf = fn(&BlockBuffers) -> &Chunks;
+        let kinds: [(&wgpu::RenderPipeline, ChunksOf); 2] =
             [(&pipelines.spheres, |block| &block.spheres), (&pipelines.cylinders, |block| &block.cylinders)];
         for (pipeline, chunks_of) in kinds {
             pass.set_pipeline(pipeline);

@@ -1,0 +1,373 @@
+//! The GPU's picture against the CPU's: ids, depths, normals, colours, over the pixels that either covers.
+//!
+//! Without an adapter the tests print `SKIP` and the reason; `BALLSTICK_GPU=require` turns that into a failure.
+
+use crate::scenes::{self, Case};
+use ballstick::bonds::{BondOptions, assign};
+use ballstick::import::{ImportOptions, read_path};
+use ballstick::render::cpu::CpuRenderer;
+use ballstick::render::gpu::{AdapterWish, GpuRenderer, adapters};
+use ballstick::render::{GBuffer, Image, Renderer, Settings, View};
+use ballstick::scene::{Background, Block, Item, Placement, Region, Scene, SceneOptions, Style};
+use glam::{Affine3A, Vec3};
+use std::sync::Arc;
+
+const SETTINGS: Settings = Settings { samples: 4, ground_texels: 96 };
+
+fn skip_or_fail(reason: &str) {
+    println!("SKIP: {reason}");
+    let required = std::env::var("BALLSTICK_GPU").is_ok_and(|wish| wish == "require");
+    assert!(!required, "BALLSTICK_GPU=require, but {reason}");
+}
+
+/// A renderer; `None` only where there is no adapter at all. An adapter that cannot be used is a failure.
+fn gpu() -> Option<GpuRenderer> {
+    if adapters().is_empty() {
+        skip_or_fail("there is no graphics adapter");
+        return None;
+    }
+    Some(GpuRenderer::new(AdapterWish::Any).unwrap())
+}
+
+/// Of so many pixels, so many agree.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Share {
+    of: usize,
+    good: usize,
+}
+
+impl Share {
+    fn count(&mut self, good: bool) {
+        self.of += 1;
+        self.good += usize::from(good);
+    }
+
+    fn part(self) -> f64 {
+        self.good as f64 / self.of.max(1) as f64
+    }
+}
+
+/// Ids are compared where the 3×3 pixels around show one thing, the rest where the ids are the same.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Surfaces {
+    covered: usize,
+    id: Share,
+    depth: Share,
+    normal: Share,
+}
+
+fn is_primitive(id: u32) -> bool {
+    id != GBuffer::BACKGROUND && id != GBuffer::GROUND
+}
+
+/// Counts where two G-buffers agree; an error if they have not the same size or show nothing.
+fn compare_surfaces(want: &GBuffer, got: &GBuffer) -> Result<Surfaces, String> {
+    let (width, height) = (want.width as usize, want.height as usize);
+    let same_size = (want.width, want.height) == (got.width, got.height);
+    if !same_size || [got.id.len(), got.depth.len(), got.normal.len()] != [width * height; 3] {
+        return Err(format!("{width}×{height} against {}×{}", got.width, got.height));
+    }
+    let mut surfaces = Surfaces::default();
+    for i in 0..width * height {
+        if !is_primitive(want.id[i]) && !is_primitive(got.id[i]) {
+            continue;
+        }
+        surfaces.covered += 1;
+        let (x, y) = (i % width, i / width);
+        let around = (y.saturating_sub(1)..=(y + 1).min(height - 1))
+            .flat_map(|y| (x.saturating_sub(1)..=(x + 1).min(width - 1)).map(move |x| y * width + x));
+        if around.into_iter().any(|j| want.id[j] != want.id[i]) {
+            continue;
+        }
+        surfaces.id.count(want.id[i] == got.id[i]);
+        if want.id[i] == got.id[i] {
+            surfaces.depth.count((want.depth[i] - got.depth[i]).abs() <= 1e-4 * want.depth[i].abs());
+            let apart = Vec3::from(want.normal[i]) - Vec3::from(got.normal[i]);
+            surfaces.normal.count(apart.length() <= 1e-3);
+        }
+    }
+    if surfaces.covered == 0 {
+        return Err("nothing to compare".to_owned());
+    }
+    Ok(surfaces)
+}
+
+/// What is wrong with two G-buffers, if anything. The ground is compared wherever both show it.
+fn judge_surfaces(want: &GBuffer, got: &GBuffer) -> Result<Surfaces, String> {
+    let surfaces = compare_surfaces(want, got)?;
+    let Surfaces { covered, id, depth, normal } = surfaces;
+    if (id.of as f64) < 0.2 * covered as f64 {
+        return Err(format!("only {} of {covered} covered pixels can be compared", id.of));
+    }
+    for (what, share) in [("ids", id), ("depths", depth), ("normals", normal)] {
+        if share.part() < 0.999 {
+            return Err(format!("{what} agree on {} of {} pixels", share.good, share.of));
+        }
+    }
+    let ground = |i: &usize| want.id[*i] == GBuffer::GROUND && got.id[*i] == GBuffer::GROUND;
+    let off = |i: &usize| (want.depth[*i] - got.depth[*i]).abs() > 1e-4 * want.depth[*i];
+    match (0..want.id.len()).filter(ground).find(off) {
+        Some(i) => Err(format!("the ground is at {} instead of {}", got.depth[i], want.depth[i])),
+        None => Ok(surfaces),
+    }
+}
+
+/// Share of the pixels that either G-buffer covers (the ground counts) in which every channel is within 2/255.
+fn compare_colors(want: &Image, got: &Image, seen: [&GBuffer; 2]) -> Result<Share, String> {
+    let pixels = want.width as usize * want.height as usize;
+    let same_size = (want.width, want.height) == (got.width, got.height);
+    if !same_size || seen.iter().any(|seen| seen.id.len() != pixels) || got.rgba.len() != 4 * pixels {
+        return Err(format!("{}×{} against {}×{}", want.width, want.height, got.width, got.height));
+    }
+    let mut share = Share::default();
+    for (i, (a, b)) in want.rgba.chunks(4).zip(got.rgba.chunks(4)).enumerate() {
+        if seen.iter().any(|seen| seen.id[i] != GBuffer::BACKGROUND) {
+            share.count(a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= 2));
+        }
+    }
+    if share.of == 0 { Err("nothing to compare".to_owned()) } else { Ok(share) }
+}
+
+fn judge_colors(want: &Image, got: &Image, seen: [&GBuffer; 2]) -> Result<Share, String> {
+    let share = compare_colors(want, got, seen)?;
+    if share.part() < 0.995 {
+        return Err(format!("colours agree on {} of {} pixels", share.good, share.of));
+    }
+    Ok(share)
+}
+
+/// Both renderers on one scene; the message says what differs.
+fn judge(gpu: &mut GpuRenderer, name: &str, scene: &Arc<Scene>, view: &View) -> Result<(), String> {
+    let failed = |error: ballstick::Error| error.to_string();
+    let mut cpu = CpuRenderer::new();
+    cpu.load(Arc::clone(scene)).map_err(failed)?;
+    gpu.load(Arc::clone(scene)).map_err(failed)?;
+    let (want, got) = (cpu.gbuffer(view).map_err(failed)?, gpu.gbuffer(view).map_err(failed)?);
+    let surfaces = judge_surfaces(&want, &got)?;
+    let images = (cpu.image(view, &SETTINGS).map_err(failed)?, gpu.image(view, &SETTINGS).map_err(failed)?);
+    let colors = judge_colors(&images.0, &images.1, [&want, &got])?;
+    println!(
+        "{name}: {} covered, {} compared; wrong: {} ids, {} depths, {} normals, {} of {} colours",
+        surfaces.covered,
+        surfaces.id.of,
+        surfaces.id.of - surfaces.id.good,
+        surfaces.depth.of - surfaces.depth.good,
+        surfaces.normal.of - surfaces.normal.good,
+        colors.of - colors.good,
+        colors.of,
+    );
+    Ok(())
+}
+
+/// The scenes of the golden pictures, twice as large, without the one that shows nothing.
+fn cases() -> Vec<Case> {
+    let mut cases = scenes::all();
+    cases.retain(|case| case.name != "nothing");
+    for case in &mut cases {
+        if case.name == "molecule_wireframe" {
+            // Sticks must be wide enough to have an inside.
+            (case.view.width, case.view.height) = (16 * case.view.width, 16 * case.view.height);
+            case.view.region = Some(Region { x: 800, y: 600, width: 320, height: 240 });
+        } else if case.view.region.is_none() {
+            (case.view.width, case.view.height) = (2 * case.view.width, 2 * case.view.height);
+        }
+    }
+    cases
+}
+
+fn case(name: &str) -> Case {
+    cases().into_iter().find(|case| case.name == name).unwrap()
+}
+
+#[test]
+fn gpu_and_cpu_draw_the_same_scenes() {
+    let Some(mut gpu) = gpu() else { return };
+    let mut wrong = Vec::new();
+    let cases = cases();
+    assert!(cases.len() > 20);
+    for case in &cases {
+        if let Err(error) = judge(&mut gpu, case.name, &Arc::new(case.scene.clone()), &case.view) {
+            wrong.push(format!("{}: {error}", case.name));
+        }
+    }
+    assert!(wrong.is_empty(), "{}:\n{}", gpu.name(), wrong.join("\n"));
+}
+
+/// All molecules of data/, in turn as balls and sticks, sticks, and space-filling, in both projections. Large ones are
+/// looked at through a part of a larger picture, where their atoms are wide enough to have an inside.
+#[test]
+fn gpu_and_cpu_draw_the_same_molecules() {
+    let Some(mut gpu) = gpu() else { return };
+    let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
+    let mut files: Vec<_> = std::fs::read_dir(data).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.retain(|path| path.is_file() && path.extension().is_none_or(|extension| extension != "md"));
+    files.sort();
+    assert!(files.len() > 5, "data/ is missing");
+    let mut wrong = Vec::new();
+    for (i, path) in files.iter().enumerate() {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let document = read_path(path, &ImportOptions::default()).unwrap();
+        let structure = assign(document.records[0].clone(), &BondOptions::default());
+        let style = [Style::BallAndStick, Style::Licorice, Style::SpaceFilling][i % 3];
+        let options = SceneOptions { style, perspective: i % 2 == 0, ..SceneOptions::default() };
+        let scene = Scene::new(&[Item::of(&structure)], &options);
+        let scale = if structure.atom_count() > 200 { 8 } else { 2 };
+        let mut view = View::new(scene.fitted_camera(16.0 / 9.0), 320 * scale, 180 * scale);
+        view.region = Some(Region { x: 160 * (scale - 1), y: 90 * (scale - 1), width: 320, height: 180 });
+        if let Err(error) = judge(&mut gpu, &name, &Arc::new(scene), &view) {
+            wrong.push(format!("{name}: {error}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}:\n{}", gpu.name(), wrong.join("\n"));
+}
+
+#[test]
+fn nothing_is_nothing_on_both() {
+    let Some(mut gpu) = gpu() else { return };
+    let empty = scenes::all().into_iter().find(|case| case.name == "nothing").unwrap();
+    let mut cpu = CpuRenderer::new();
+    // Before any scene is loaded, and with an empty one.
+    assert_eq!(gpu.image(&empty.view, &SETTINGS).unwrap(), cpu.image(&empty.view, &SETTINGS).unwrap());
+    let mut scene = empty.scene;
+    for background in [Background::default(), Background::Transparent] {
+        scene.background = background;
+        let shared = Arc::new(scene.clone());
+        cpu.load(Arc::clone(&shared)).unwrap();
+        gpu.load(shared).unwrap();
+        assert_eq!(gpu.image(&empty.view, &SETTINGS).unwrap(), cpu.image(&empty.view, &SETTINGS).unwrap());
+        assert_eq!(gpu.gbuffer(&empty.view).unwrap(), cpu.gbuffer(&empty.view).unwrap());
+    }
+}
+
+#[test]
+fn regions_of_a_picture_are_pieces_of_it() {
+    let Some(mut gpu) = gpu() else { return };
+    let case = case("molecule_on_ground");
+    gpu.load(Arc::new(case.scene.clone())).unwrap();
+    let whole = gpu.image(&case.view, &SETTINGS).unwrap();
+    let row = |image: &Image, y: u32, x0: u32, x1: u32| {
+        let at = |x: u32| (y as usize * image.width as usize + x as usize) * 4;
+        image.rgba[at(x0)..at(x1)].to_vec()
+    };
+    let (width, height) = (case.view.width, case.view.height);
+    for (x, y, w, h) in [(0, 0, 100, 77), (100, 0, width - 100, 77), (0, 77, width, height - 77), (131, 93, 1, 1)] {
+        let region = Region { x, y, width: w, height: h };
+        let piece = gpu.image(&View { region: Some(region), ..case.view }, &SETTINGS).unwrap();
+        assert_eq!((piece.width, piece.height), (w, h));
+        for line in 0..h {
+            assert_eq!(row(&piece, line, 0, w), row(&whole, y + line, x, x + w), "row {line} of {region:?}");
+        }
+    }
+}
+
+#[test]
+fn small_devices_draw_the_same_picture_in_tiles() {
+    let limits = wgpu::Limits::downlevel_webgl2_defaults();
+    let Some(mut gpu) = gpu() else { return };
+    let mut small = GpuRenderer::with_limits(AdapterWish::Any, &limits).unwrap();
+    let case = case("molecule_on_ground");
+    let scene = Arc::new(case.scene.clone());
+    // Wider than a texture of the small device, and only a strip of it, to be quick.
+    let mut view = View::new(scene.fitted_camera(4.0), 2600, 650);
+    view.region = Some(Region { x: 0, y: 300, width: 2600, height: 40 });
+    for renderer in [&mut gpu, &mut small] {
+        renderer.load(Arc::clone(&scene)).unwrap();
+    }
+    let (want, got) = (gpu.image(&view, &SETTINGS).unwrap(), small.image(&view, &SETTINGS).unwrap());
+    assert!(want == got, "the tiles show");
+}
+
+#[test]
+fn many_placements_and_another_light_need_no_new_upload() {
+    let Some(mut gpu) = gpu() else { return };
+    let molecule = case("molecule_on_ground").scene;
+    let block: Block = molecule.blocks[0].clone();
+    let placements = (0..25)
+        .map(|i| Placement {
+            block: 0,
+            world_from_block: Affine3A::from_translation(Vec3::new((i % 5) as f32 * 7.0, 0.0, (i / 5) as f32 * -6.0))
+                * Affine3A::from_rotation_y(i as f32),
+            first_id: i * block.id_count,
+        })
+        .collect();
+    let mut scene = Scene::from_blocks(vec![block], placements);
+    scene.world_from_view = glam::Quat::from_rotation_x(-0.3);
+    scene.set_ground(true);
+    let view = View::new(scene.fitted_camera(1.5), 360, 240);
+    judge(&mut gpu, "25 placements", &Arc::new(scene.clone()), &view).unwrap();
+    scene.lighting.key_in_view = Vec3::new(0.6, 0.6, 0.5).normalize();
+    judge(&mut gpu, "light from the right", &Arc::new(scene), &view).unwrap();
+}
+
+#[test]
+fn a_lost_device_is_an_error_of_every_call() {
+    let Some(mut gpu) = gpu() else { return };
+    let case = case("molecule");
+    let scene = Arc::new(case.scene.clone());
+    gpu.load(Arc::clone(&scene)).unwrap();
+    gpu.image(&case.view, &SETTINGS).unwrap();
+    gpu.lose_device();
+    assert!(gpu.image(&case.view, &SETTINGS).is_err());
+    assert!(gpu.gbuffer(&case.view).is_err());
+    assert!(gpu.load(Arc::new(Scene::from_blocks(vec![Block::default()], vec![]))).is_err());
+}
+
+/// What the CPU shows of a scene, as something to spoil.
+fn shown() -> (GBuffer, Image) {
+    let case = case("molecule_on_ground");
+    let mut cpu = CpuRenderer::new();
+    cpu.load(Arc::new(case.scene)).unwrap();
+    (cpu.gbuffer(&case.view).unwrap(), cpu.image(&case.view, &SETTINGS).unwrap())
+}
+
+#[test]
+fn the_comparer_accepts_what_is_the_same() {
+    let (seen, image) = shown();
+    let surfaces = judge_surfaces(&seen, &seen).unwrap();
+    assert_eq!(surfaces.id.good, surfaces.id.of);
+    assert!(judge_colors(&image, &image, [&seen, &seen]).is_ok());
+}
+
+#[test]
+fn the_comparer_refuses_other_sizes_and_emptiness() {
+    let (seen, image) = shown();
+    let mut cut = seen.clone();
+    cut.height -= 1;
+    cut.id.truncate((cut.width * cut.height) as usize);
+    assert!(judge_surfaces(&seen, &cut).is_err());
+    let mut short = image.clone();
+    short.rgba.truncate(40);
+    assert!(judge_colors(&image, &short, [&seen, &seen]).is_err());
+    let mut empty = seen.clone();
+    empty.id.fill(GBuffer::BACKGROUND);
+    assert!(judge_surfaces(&empty, &empty).unwrap_err().contains("nothing"));
+    assert!(judge_colors(&image, &image, [&empty, &empty]).unwrap_err().contains("nothing"));
+    assert!(judge_surfaces(&seen, &empty).is_err() && judge_surfaces(&empty, &seen).is_err());
+}
+
+#[test]
+fn the_comparer_sees_a_shift_and_a_swap() {
+    let (seen, image) = shown();
+    let mut shifted = seen.clone();
+    shifted.id.rotate_right(1);
+    shifted.depth.rotate_right(1);
+    shifted.normal.rotate_right(1);
+    assert!(judge_surfaces(&seen, &shifted).is_err());
+    let mut moved = image.clone();
+    moved.rgba.rotate_right(4);
+    assert!(judge_colors(&image, &moved, [&seen, &seen]).is_err());
+    let mut swapped = image.clone();
+    swapped.rgba.chunks_mut(4).for_each(|pixel| pixel.swap(0, 2));
+    assert!(judge_colors(&image, &swapped, [&seen, &seen]).is_err());
+    let mut faded = image.clone();
+    faded.rgba.chunks_mut(4).for_each(|pixel| pixel[3] = pixel[3].saturating_sub(9));
+    assert!(judge_colors(&image, &faded, [&seen, &seen]).is_err());
+    for spoil in [|n: &mut [f32; 3]| n[2] = -n[2], |n: &mut [f32; 3]| n.swap(0, 1)] {
+        let mut turned = seen.clone();
+        turned.normal.iter_mut().for_each(spoil);
+        assert!(judge_surfaces(&seen, &turned).unwrap_err().contains("normals"));
+    }
+    let mut nearer = seen.clone();
+    nearer.depth.iter_mut().for_each(|depth| *depth *= 0.999);
+    assert!(judge_surfaces(&seen, &nearer).unwrap_err().contains("depths"));
+}
