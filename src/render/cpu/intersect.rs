@@ -192,7 +192,8 @@ fn through_open_ends(e: Vec3, caps: u32, solid: (f32, f32), slab: (f32, f32)) ->
     (solid.0 == slab.0 && has_cap(caps, first, 0), solid.1 == slab.1 && has_cap(caps, 1 - first, 0))
 }
 
-/// The general case: every end open, flat or round.
+/// The general case: every end open, flat or round. Kept out of the pixel loops, which mostly draw flat ends.
+#[inline(never)]
 fn capped_t(q: Vec3, e: Vec3, cylinder: &Cylinder, t0: f32, near: f32) -> f32 {
     let (solid, slab) = capped_interval(q, e, cylinder);
     let (entry, exit) = (t0 + solid.0, t0 + solid.1);

@@ -5,19 +5,26 @@
 //! changes: fused multiply-add stays off, so every level gives the same bits.
 #![expect(unsafe_code, reason = "calling code compiled for instructions that were just found to be there")]
 
-/// Runs `work`, compiled for the best instructions there are. What `work` calls must be `#[inline(always)]` to profit.
+/// Something to run. `run` must be `#[inline(always)]`, and so must what it calls: what is not inlined stays at the baseline
+/// (a closure would be inlined only as the compiler sees fit).
+pub(super) trait Work {
+    /// Does it.
+    fn run(self);
+}
+
+/// Runs `work`, compiled for the best instructions there are.
 #[inline]
-pub(super) fn widest<R>(work: impl FnOnce() -> R) -> R {
+pub(super) fn widest(work: impl Work) {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: the machine has AVX2.
         return unsafe { avx2(work) };
     }
-    work()
+    work.run();
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn avx2<R>(work: impl FnOnce() -> R) -> R {
-    work()
+fn avx2(work: impl Work) {
+    work.run();
 }

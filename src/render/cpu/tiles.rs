@@ -7,12 +7,12 @@
 use super::binning::{Bins, Candidate, TILE};
 use super::intersect::{cylinder_t, sphere_t};
 use super::shader::Shader;
-use super::simd::widest;
+use super::simd::{Work, widest};
 use crate::color::Srgb8;
 use crate::render::field::GroundMap;
 use crate::render::frame::{FrameConstants, resolve};
 use crate::render::settings::sample_offset;
-use crate::render::solids::Solids;
+use crate::render::solids::{Cylinder, Solids, Sphere};
 use crate::render::{GBuffer, Image, Settings, View};
 use crate::scene::{PixelGrid, Ray, Region, Scene};
 use glam::{Vec3, Vec4};
@@ -21,11 +21,48 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 const PIXELS: usize = (TILE * TILE) as usize;
 const LANES: usize = 8;
+const BLOCKS: usize = TILE as usize / LANES;
+
+/// The depth of a primitive at plane coordinates. (A trait, not a closure: it must be inlined wherever it is used.)
+trait DepthAt {
+    fn t(&self, u: f32, v: f32) -> f32;
+}
+
+/// A primitive seen with parallel rays (`PARALLEL`) or in perspective.
+struct Drawn<S, const PARALLEL: bool> {
+    solid: S,
+    near: f32,
+}
+
+#[inline(always)]
+fn ray<const PARALLEL: bool>(u: f32, v: f32) -> Ray {
+    if PARALLEL {
+        Ray { origin: Vec3::new(u, v, 0.0), direction: Vec3::new(0.0, 0.0, -1.0) }
+    } else {
+        Ray { origin: Vec3::ZERO, direction: Vec3::new(u, v, -1.0) }
+    }
+}
+
+impl<const PARALLEL: bool> DepthAt for Drawn<Sphere, PARALLEL> {
+    #[inline(always)]
+    fn t(&self, u: f32, v: f32) -> f32 {
+        sphere_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
+    }
+}
+
+impl<const PARALLEL: bool> DepthAt for Drawn<Cylinder, PARALLEL> {
+    #[inline(always)]
+    fn t(&self, u: f32, v: f32) -> f32 {
+        cylinder_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
+    }
+}
 
 /// One sample of every pixel of a tile: depth and primitive of what is nearest.
 struct TileDepth {
     t: [[f32; TILE as usize]; TILE as usize],
     index: [[u32; TILE as usize]; TILE as usize],
+    /// The farthest depth of each block of [`LANES`] × [`LANES`] pixels, as of the last update.
+    farthest: [[f32; BLOCKS]; BLOCKS],
     /// Plane coordinates of the sample in each column and row.
     u: [f32; TILE as usize],
     v: [f32; TILE as usize],
@@ -36,6 +73,7 @@ impl TileDepth {
         TileDepth {
             t: [[f32::INFINITY; TILE as usize]; TILE as usize],
             index: [[0; TILE as usize]; TILE as usize],
+            farthest: [[f32::INFINITY; BLOCKS]; BLOCKS],
             u: [0.0; TILE as usize],
             v: [0.0; TILE as usize],
         }
@@ -44,6 +82,7 @@ impl TileDepth {
     /// Empties it and places its samples.
     fn restart(&mut self, grid: &PixelGrid, x_px: u32, y_px: u32, [dx, dy]: [f32; 2]) {
         self.t.iter_mut().for_each(|row| row.fill(f32::INFINITY));
+        self.farthest = [[f32::INFINITY; BLOCKS]; BLOCKS];
         for i in 0..TILE {
             let (u, v) = grid.plane((x_px + i) as f32 + dx, (y_px + i) as f32 + dy);
             self.u[i as usize] = u;
@@ -51,36 +90,63 @@ impl TileDepth {
         }
     }
 
-    /// The farthest depth in the tile; infinity if a pixel is empty.
+    /// Finds the farthest depth of each block anew; infinity where a pixel is empty.
     #[inline(always)]
-    fn farthest(&self) -> f32 {
-        let mut farthest = 0.0f32;
-        for row in &self.t {
-            for &t in row {
-                farthest = if t > farthest { t } else { farthest };
+    fn update_farthest(&mut self) {
+        for (rows, farthest) in self.t.chunks_exact(LANES).zip(&mut self.farthest) {
+            let mut column = [0.0f32; TILE as usize];
+            for row in rows {
+                for (most, &t) in column.iter_mut().zip(row) {
+                    *most = if t > *most { t } else { *most };
+                }
+            }
+            for (block, most) in column.chunks_exact(LANES).zip(farthest) {
+                *most = block.iter().fold(0.0, |most, &t| if t > most { t } else { most });
             }
         }
-        farthest
     }
 
-    /// Draws one primitive into the pixels `columns × rows` (whole groups of [`LANES`] columns are touched).
+    /// Draws one primitive into the pixels `columns × rows` (whole groups of [`LANES`] columns are touched), but not into
+    /// blocks that are full of what is nearer than `nearest`.
     #[inline(always)]
-    fn draw(&mut self, index: u32, columns: [usize; 2], rows: [usize; 2], t_of: impl Fn(f32, f32) -> f32) {
-        for row in rows[0]..rows[1] {
-            let v = self.v[row];
+    fn draw(&mut self, ((index, nearest), columns, rows): ((u32, f32), [usize; 2], [usize; 2]), drawn: impl DepthAt) {
+        for band in rows[0] / LANES..rows[1].div_ceil(LANES) {
+            let rows = rows[0].max(band * LANES)..rows[1].min((band + 1) * LANES);
             for group in columns[0] / LANES..columns[1].div_ceil(LANES) {
+                if nearest > self.farthest[band][group] {
+                    continue;
+                }
                 let start = group * LANES;
-                let t = &mut self.t[row][start..start + LANES];
-                let nearest = &mut self.index[row][start..start + LANES];
-                let u = &self.u[start..start + LANES];
-                for lane in 0..LANES {
-                    let new = t_of(u[lane], v);
-                    let closer = (new < t[lane]) | ((new == t[lane]) & (new < f32::INFINITY) & (index < nearest[lane]));
-                    t[lane] = if closer { new } else { t[lane] };
-                    nearest[lane] = if closer { index } else { nearest[lane] };
+                for row in rows.clone() {
+                    let v = self.v[row];
+                    let t = &mut self.t[row][start..start + LANES];
+                    let seen = &mut self.index[row][start..start + LANES];
+                    let u = &self.u[start..start + LANES];
+                    for lane in 0..LANES {
+                        let new = drawn.t(u[lane], v);
+                        let closer =
+                            (new < t[lane]) | ((new == t[lane]) & (new < f32::INFINITY) & (index < seen[lane]));
+                        t[lane] = if closer { new } else { t[lane] };
+                        seen[lane] = if closer { index } else { seen[lane] };
+                    }
                 }
             }
         }
+    }
+}
+
+/// [`Picture::see`] as work for [`widest`].
+struct See<'a, 'b> {
+    picture: &'a Picture<'b>,
+    depth: &'a mut TileDepth,
+    tile: usize,
+    offset: [f32; 2],
+}
+
+impl Work for See<'_, '_> {
+    #[inline(always)]
+    fn run(self) {
+        self.picture.see_here(self.depth, self.tile, self.offset);
     }
 }
 
@@ -96,21 +162,21 @@ struct Picture<'a> {
 impl Picture<'_> {
     /// Finds what every pixel of a tile sees in one sample.
     fn see(&self, depth: &mut TileDepth, tile: usize, offset: [f32; 2]) {
-        widest(|| self.see_here(depth, tile, offset));
+        widest(See { picture: self, depth, tile, offset });
     }
 
     #[inline(always)]
     fn see_here(&self, depth: &mut TileDepth, tile: usize, offset: [f32; 2]) {
         let (x, y) = self.corner(tile);
         depth.restart(&self.grid, self.region.x + x, self.region.y + y, offset);
-        // Looking for the farthest depth costs about as much as drawing a small primitive.
-        let mut farthest = f32::INFINITY;
         for (drawn, candidate) in self.bins.of_tile(tile).enumerate() {
+            // Looking for the farthest depths costs about as much as drawing a small primitive.
             if drawn % 16 == 15 {
-                farthest = depth.farthest();
-            }
-            if candidate.nearest > farthest {
-                break; // the rest is behind everything
+                depth.update_farthest();
+                let farthest = depth.farthest.as_flattened().iter().fold(0.0f32, |most, &t| most.max(t));
+                if candidate.nearest > farthest {
+                    break; // the rest is behind everything
+                }
             }
             self.draw(depth, candidate, x, y);
         }
@@ -122,24 +188,22 @@ impl Picture<'_> {
         let columns = [left.saturating_sub(x) as usize, (right - x).min(TILE) as usize];
         let rows = [top.saturating_sub(y) as usize, (bottom - y).min(TILE) as usize];
         let (solids, near) = (self.shader.solids, self.near);
-        let perspective = |u, v| Ray { origin: Vec3::ZERO, direction: Vec3::new(u, v, -1.0) };
-        let parallel = |u, v| Ray { origin: Vec3::new(u, v, 0.0), direction: Vec3::new(0.0, 0.0, -1.0) };
-        let index = candidate.index;
-        match (index as usize).checked_sub(solids.spheres.len()) {
+        let place = ((candidate.index, candidate.nearest), columns, rows);
+        match (candidate.index as usize).checked_sub(solids.spheres.len()) {
             None => {
-                let sphere = solids.spheres[index as usize];
+                let solid = solids.spheres[candidate.index as usize];
                 if self.grid.orthographic {
-                    depth.draw(index, columns, rows, |u, v| sphere_t(&parallel(u, v), &sphere, near));
+                    depth.draw(place, Drawn::<_, true> { solid, near });
                 } else {
-                    depth.draw(index, columns, rows, |u, v| sphere_t(&perspective(u, v), &sphere, near));
+                    depth.draw(place, Drawn::<_, false> { solid, near });
                 }
             }
             Some(cylinder) => {
-                let cylinder = solids.cylinders[cylinder];
+                let solid = solids.cylinders[cylinder];
                 if self.grid.orthographic {
-                    depth.draw(index, columns, rows, |u, v| cylinder_t(&parallel(u, v), &cylinder, near));
+                    depth.draw(place, Drawn::<_, true> { solid, near });
                 } else {
-                    depth.draw(index, columns, rows, |u, v| cylinder_t(&perspective(u, v), &cylinder, near));
+                    depth.draw(place, Drawn::<_, false> { solid, near });
                 }
             }
         }
