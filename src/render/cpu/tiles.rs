@@ -119,14 +119,18 @@ impl TileDepth {
                 let start = group * LANES;
                 for row in rows.clone() {
                     let v = self.v[row];
+                    // Arrays of a fixed size, one simple loop each: the form that is turned into vector code.
+                    let u: [f32; LANES] = std::array::from_fn(|lane| self.u[start + lane]);
+                    let mut new = [0.0f32; LANES];
+                    for lane in 0..LANES {
+                        new[lane] = drawn.t(u[lane], v);
+                    }
                     let t = &mut self.t[row][start..start + LANES];
                     let seen = &mut self.index[row][start..start + LANES];
-                    let u = &self.u[start..start + LANES];
                     for lane in 0..LANES {
-                        let new = drawn.t(u[lane], v);
-                        let closer =
-                            (new < t[lane]) | ((new == t[lane]) & (new < f32::INFINITY) & (index < seen[lane]));
-                        t[lane] = if closer { new } else { t[lane] };
+                        let tie = (new[lane] == t[lane]) & (new[lane] < f32::INFINITY) & (index < seen[lane]);
+                        let closer = (new[lane] < t[lane]) | tie;
+                        t[lane] = if closer { new[lane] } else { t[lane] };
                         seen[lane] = if closer { index } else { seen[lane] };
                     }
                 }
