@@ -114,20 +114,20 @@ impl GpuRenderer {
 
     /// The texture to show next; `None` if the window does not take one now.
     fn acquire(&self, window: &mut WindowSurface) -> Result<Option<wgpu::SurfaceTexture>> {
-        for attempt in 0..2 {
+        // Outdated and lost surfaces are fitted again, once.
+        for _ in 0..2 {
             // wgpu 30 panics where it finds the device lost.
             let got = self.gpu.guard("asking the window for a texture", || {
                 catch_unwind(AssertUnwindSafe(|| window.surface.get_current_texture()))
                     .map_err(|_| Error::Gpu("the device was lost while drawing to the window".to_owned()))
             })?;
             match got {
-                wgpu::CurrentSurfaceTexture::Success(texture) => return Ok(Some(texture)),
-                // Usable now, but the window has changed: shown, and fitted for the next.
-                wgpu::CurrentSurfaceTexture::Suboptimal(texture) if attempt > 0 => return Ok(Some(texture)),
+                // Suboptimal is usable; a window that changes its size says so itself.
+                wgpu::CurrentSurfaceTexture::Success(texture) | wgpu::CurrentSurfaceTexture::Suboptimal(texture) => {
+                    return Ok(Some(texture));
+                }
                 wgpu::CurrentSurfaceTexture::Timeout | wgpu::CurrentSurfaceTexture::Occluded => return Ok(None),
-                wgpu::CurrentSurfaceTexture::Suboptimal(_)
-                | wgpu::CurrentSurfaceTexture::Outdated
-                | wgpu::CurrentSurfaceTexture::Lost => {
+                wgpu::CurrentSurfaceTexture::Outdated | wgpu::CurrentSurfaceTexture::Lost => {
                     let size = window.size_px();
                     self.configure(window, size)?;
                 }
