@@ -106,21 +106,21 @@ pub(crate) fn xyz(count: usize) -> String {
     text
 }
 
-/// The atoms as an SDF record (V3000, since V2000 ends at 999 atoms), the chain as its bonds.
+/// The atoms as SD records (V2000) of 50 atoms, as in a file of small molecules, the chain as their bonds.
 pub(crate) fn sdf(count: usize) -> String {
-    let bonds = count.saturating_sub(1);
-    let mut text = format!(
-        "a folded chain\n  bench\n\n  0  0  0     0  0            999 V3000\nM  V30 BEGIN CTAB\n\
-         M  V30 COUNTS {count} {bonds} 0 0 0\nM  V30 BEGIN ATOM\n"
-    );
-    for (n, (symbol, p)) in atoms(count).into_iter().enumerate() {
-        let _ = writeln!(text, "M  V30 {} {symbol} {:.3} {:.3} {:.3} 0", n + 1, p.x, p.y, p.z);
+    let mut text = String::with_capacity(count * 90);
+    for (record, atoms) in atoms(count).chunks(50).enumerate() {
+        let _ = writeln!(text, "chain {record}\n  bench\n");
+        let _ = writeln!(text, "{:3}{:3}  0  0  0  0            999 V2000", atoms.len(), atoms.len() - 1);
+        for (symbol, p) in atoms {
+            let zeros = "  0".repeat(11);
+            let _ = writeln!(text, "{:10.4}{:10.4}{:10.4} {symbol:<3} 0{zeros}", p.x, p.y, p.z);
+        }
+        for n in 1..atoms.len() {
+            let _ = writeln!(text, "{n:3}{:3}  1  0", n + 1);
+        }
+        text.push_str("M  END\n$$$$\n");
     }
-    text.push_str("M  V30 END ATOM\nM  V30 BEGIN BOND\n");
-    for n in 1..=bonds {
-        let _ = writeln!(text, "M  V30 {n} 1 {n} {}", n + 1);
-    }
-    text.push_str("M  V30 END BOND\nM  V30 END CTAB\nM  END\n$$$$\n");
     text
 }
 
