@@ -16,10 +16,15 @@ fn ground_open(p: vec3<f32>) -> f32 {
     var taps = array<f32, 6>(0.03, 0.07, 0.16, 0.33, 0.6, 1.0);
     let reach = frame.ground_map_size.w;
     var closed = 0.0;
+    var below = 0.0;
+    var bound = 1.0e30;
     for (var tap = 0u; tap < 6u; tap++) {
         let height = taps[tap] * reach;
-        let distance = map(p + vec3<f32>(0.0, height, 0.0), height);
-        closed += (height - max(distance, 0.0)) / height;
+        let limit = min(height, 1.001 * (bound + (height - below)));
+        let distance = max(map(p + vec3<f32>(0.0, height, 0.0), limit), 0.0);
+        bound = distance;
+        below = height;
+        closed += (height - distance) / height;
     }
     return 1.0 - closed / 6.0;
 }

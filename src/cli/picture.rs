@@ -28,6 +28,8 @@ pub(super) struct Drawing {
     pub(super) drawn: Drawn,
     /// The renderer's name.
     pub(super) renderer: String,
+    /// What the user should know of it.
+    pub(super) notices: Vec<String>,
     pub(super) scene_seconds: f64,
     pub(super) render_seconds: f64,
 }
@@ -134,6 +136,9 @@ fn one_picture(
     }
     let side_by_side = args.select.record == Some(RecordChoice::All);
     let drawing = draw.draw(&structures, side_by_side, args)?;
+    for notice in &drawing.notices {
+        report.warn(&picture.output, notice);
+    }
     let encoding = Instant::now();
     let options = PictureOptions {
         background: args.look.solid_background(),
@@ -238,7 +243,13 @@ mod tests {
                 let (id, depth, normal) = (vec![1], vec![2.0], vec![[0.0, 0.0, 1.0]]);
                 Drawn::Surface(GBuffer { width: 1, height: 1, id, depth, normal })
             };
-            Ok(Drawing { drawn, renderer: "fake".to_owned(), scene_seconds: 0.0, render_seconds: 0.0 })
+            Ok(Drawing {
+                drawn,
+                renderer: "fake".to_owned(),
+                notices: Vec::new(),
+                scene_seconds: 0.0,
+                render_seconds: 0.0,
+            })
         }
 
         fn reset(&mut self) {

@@ -1,7 +1,7 @@
 //! From arguments to scene and renderer: the only module of the command line that knows them.
 
 use super::args::{LookArgs, Named, ProjectionArg, RenderArgs, RendererArgs};
-use super::devices::Devices;
+use super::devices::{Adapter, Devices};
 use super::picture::{Draw, Drawing, Drawn};
 use super::values::{Altloc, Axis, Direction};
 use crate::cli::args::Channel;
@@ -53,7 +53,8 @@ impl Draw for Drawer {
             Channel::Depth | Channel::Normal | Channel::Id => Drawn::Surface(renderer.gbuffer(&view)?),
         };
         let render_seconds = started.elapsed().as_secs_f64();
-        Ok(Drawing { drawn, renderer: renderer.name(), scene_seconds, render_seconds })
+        let notices = renderer.take_notices();
+        Ok(Drawing { drawn, renderer: renderer.name(), notices, scene_seconds, render_seconds })
     }
 
     fn reset(&mut self) {
@@ -160,7 +161,26 @@ pub(super) fn devices() -> Devices {
         Err(error) => Err(error.to_string()),
     };
     let note = (!cfg!(feature = "gpu")).then(|| "This ballstick was built without the GPU renderer.".to_owned());
-    Devices { adapters: Vec::new(), note, choice }
+    Devices { adapters: adapters(), note, choice }
+}
+
+#[cfg(feature = "gpu")]
+fn adapters() -> Vec<Adapter> {
+    let found = crate::render::gpu::adapters().into_iter();
+    let driver = |name: String, version: String| [name, version].join(" ").trim().to_owned();
+    found
+        .map(|report| Adapter {
+            name: report.name,
+            backend: report.backend,
+            kind: report.device_type,
+            driver: driver(report.driver, report.driver_info),
+        })
+        .collect()
+}
+
+#[cfg(not(feature = "gpu"))]
+fn adapters() -> Vec<Adapter> {
+    Vec::new()
 }
 
 #[cfg(test)]

@@ -168,7 +168,7 @@ fn grids(scene: &Scene, view: &View, settings: &Settings, key_in_world: Vec3) ->
     min = min.max(center - ground.fade_end);
     max = max.min(center + ground.fade_end);
     let extent = (max - min).max(glam::Vec2::splat(1e-3));
-    let texels = settings.ground_texels.clamp(16, 2048) as f32;
+    let texels = settings.ground_texels.clamp(16, 2046) as f32;
     let per_angstrom = texels / extent.max_element();
     // One texel of free border on each side: outside the map the ground is in full light.
     let size = (extent * per_angstrom).ceil() + 2.0;

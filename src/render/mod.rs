@@ -47,4 +47,9 @@ pub trait Renderer {
     /// # Errors
     /// If the device is lost or refuses.
     fn gbuffer(&mut self, view: &View) -> Result<GBuffer>;
+
+    /// What the user should know since the last call: that a device was lost, say, and what draws in its place.
+    fn take_notices(&mut self) -> Vec<String> {
+        Vec::new()
+    }
 }

@@ -1,8 +1,10 @@
-//! Which renderer draws: the only file that knows both.
+//! Which renderer draws, and what happens when a device is lost: the only file that knows both renderers.
 
-use super::Renderer;
 use super::cpu::CpuRenderer;
-use crate::error::Result;
+use super::{GBuffer, Image, Renderer, Settings, View};
+use crate::error::{Error, Result};
+use crate::scene::Scene;
+use std::sync::Arc;
 
 /// Which renderer is wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -13,7 +15,7 @@ pub enum Choice {
     Auto,
     /// The CPU renderer.
     Cpu,
-    /// A GPU adapter, a software one if there is no other; an error if there is none.
+    /// A GPU adapter, a software one if there is no other; without any, the CPU renderer and a notice.
     Gpu,
 }
 
@@ -46,33 +48,145 @@ pub struct Selection {
     pub reason: String,
 }
 
-/// Picks a renderer.
+/// Picks a renderer. A GPU that was asked for and is not there is no failure: the CPU renderer takes over, and
+/// [`Renderer::take_notices`] says so; as it does when a device is lost later.
 ///
 /// # Errors
-/// Only for [`Choice::Gpu`], if there is no adapter or its device cannot be had.
+/// None today; a later renderer may have no replacement.
 pub fn select(choice: Choice) -> Result<Selection> {
-    let cpu = |reason: String| Selection { renderer: Box::new(CpuRenderer::new()), reason };
-    match choice {
-        Choice::Cpu => Ok(cpu("the CPU renderer was asked for".to_owned())),
-        #[cfg(feature = "gpu")]
-        Choice::Gpu => {
-            let renderer = super::gpu::GpuRenderer::new(super::gpu::AdapterWish::Any)?;
-            let reason = format!("{} was asked for", renderer.name());
-            Ok(Selection { renderer: Box::new(renderer), reason })
+    let cpu = |reason: String, notices: Vec<String>| {
+        let renderer = WithFallback { gpu: None, cpu: CpuRenderer::new(), scene: None, notices };
+        Selection { renderer: Box::new(renderer), reason }
+    };
+    if choice == Choice::Cpu {
+        return Ok(cpu("the CPU renderer was asked for".to_owned(), Vec::new()));
+    }
+    Ok(match gpu(choice) {
+        Ok(renderer) => {
+            let asked = if choice == Choice::Gpu { "was asked for" } else { "is a real GPU" };
+            let reason = format!("{} {asked}", renderer.name());
+            Selection { renderer: Box::new(WithFallback::around(renderer)), reason }
         }
-        #[cfg(feature = "gpu")]
-        Choice::Auto => Ok(match super::gpu::GpuRenderer::new(super::gpu::AdapterWish::Hardware) {
-            Ok(renderer) => {
-                let reason = format!("{} is a real GPU", renderer.name());
-                Selection { renderer: Box::new(renderer), reason }
+        Err(error) if choice == Choice::Gpu => {
+            let reason = format!("{error}; the CPU renderer takes over");
+            cpu(reason.clone(), vec![reason])
+        }
+        Err(error) => cpu(format!("no real GPU to use ({error})"), Vec::new()),
+    })
+}
+
+#[cfg(feature = "gpu")]
+fn gpu(choice: Choice) -> Result<Box<dyn Renderer>> {
+    use super::gpu::{AdapterWish, GpuRenderer};
+    let wish = if choice == Choice::Gpu { AdapterWish::Any } else { AdapterWish::Hardware };
+    Ok(Box::new(GpuRenderer::new(wish)?))
+}
+
+#[cfg(not(feature = "gpu"))]
+fn gpu(_choice: Choice) -> Result<Box<dyn Renderer>> {
+    Err(Error::Gpu("this build has no GPU renderer (feature \"gpu\")".to_owned()))
+}
+
+/// A GPU renderer with the CPU renderer behind it: what the device cannot draw, or no longer, the CPU draws.
+struct WithFallback {
+    gpu: Option<Box<dyn Renderer>>,
+    cpu: CpuRenderer,
+    scene: Option<Arc<Scene>>,
+    notices: Vec<String>,
+}
+
+impl WithFallback {
+    fn around(gpu: Box<dyn Renderer>) -> WithFallback {
+        WithFallback { gpu: Some(gpu), cpu: CpuRenderer::new(), scene: None, notices: Vec::new() }
+    }
+
+    /// Draws with the GPU if there is one and it can; from its first failure on with the CPU.
+    fn draw<R>(&mut self, draw: impl Fn(&mut dyn Renderer) -> Result<R>) -> Result<R> {
+        if let Some(gpu) = &mut self.gpu {
+            match draw(gpu.as_mut()) {
+                Err(error @ Error::Gpu(_)) => {
+                    self.notices.push(format!("{error}; the CPU renderer takes over"));
+                    self.gpu = None;
+                    if let Some(scene) = &self.scene {
+                        self.cpu.load(Arc::clone(scene))?;
+                    }
+                }
+                done => return done,
             }
-            Err(error) => cpu(format!("no real GPU to use ({error})")),
-        }),
-        #[cfg(not(feature = "gpu"))]
-        Choice::Gpu => Err(crate::Error::Unsupported(
-            "this build has no GPU renderer; build with the feature \"gpu\" or use --renderer cpu".to_owned(),
-        )),
-        #[cfg(not(feature = "gpu"))]
-        Choice::Auto => Ok(cpu("this build has no GPU renderer".to_owned())),
+        }
+        draw(&mut self.cpu)
+    }
+}
+
+impl Renderer for WithFallback {
+    fn name(&self) -> String {
+        self.gpu.as_ref().map_or_else(|| self.cpu.name(), |gpu| gpu.name())
+    }
+
+    fn load(&mut self, scene: Arc<Scene>) -> Result<()> {
+        self.scene = Some(Arc::clone(&scene));
+        self.draw(|renderer| renderer.load(Arc::clone(&scene)))
+    }
+
+    fn image(&mut self, view: &View, settings: &Settings) -> Result<Image> {
+        self.draw(|renderer| renderer.image(view, settings))
+    }
+
+    fn gbuffer(&mut self, view: &View) -> Result<GBuffer> {
+        self.draw(|renderer| renderer.gbuffer(view))
+    }
+
+    fn take_notices(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notices)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Draws once, then is lost.
+    struct Failing(u32);
+
+    impl Failing {
+        fn spend(&mut self) -> Result<()> {
+            self.0 = self.0.checked_sub(1).ok_or_else(|| Error::Gpu("the device was lost".to_owned()))?;
+            Ok(())
+        }
+    }
+
+    impl Renderer for Failing {
+        fn name(&self) -> String {
+            "failing".to_owned()
+        }
+
+        fn load(&mut self, _scene: Arc<Scene>) -> Result<()> {
+            Ok(())
+        }
+
+        fn image(&mut self, view: &View, _settings: &Settings) -> Result<Image> {
+            self.spend()?;
+            Ok(Image { width: view.width, height: view.height, rgba: Vec::new() })
+        }
+
+        fn gbuffer(&mut self, _view: &View) -> Result<GBuffer> {
+            Err(Error::Gpu("the device was lost".to_owned()))
+        }
+    }
+
+    #[test]
+    fn a_lost_device_is_reported_once_and_the_cpu_draws_the_scene() {
+        let mut renderer = WithFallback::around(Box::new(Failing(1)));
+        let scene = Arc::new(Scene::from_blocks(Vec::new(), Vec::new()));
+        renderer.load(Arc::clone(&scene)).unwrap();
+        let view = View::new(scene.fitted_camera(1.0), 4, 4);
+        let settings = Settings { samples: 1, ground_texels: 16 };
+        assert!(renderer.image(&view, &settings).unwrap().rgba.is_empty());
+        assert_eq!((renderer.name().as_str(), renderer.take_notices().len()), ("failing", 0));
+        assert_eq!(renderer.image(&view, &settings).unwrap().rgba.len(), 64, "drawn by the CPU");
+        let notices = renderer.take_notices();
+        assert_eq!(notices, ["GPU: the device was lost; the CPU renderer takes over"]);
+        assert!(renderer.gbuffer(&view).is_ok());
+        assert_eq!((renderer.name().as_str(), renderer.take_notices().len()), ("cpu", 0));
     }
 }

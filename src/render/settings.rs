@@ -45,7 +45,7 @@ impl View {
 pub struct Settings {
     /// Samples per pixel, 1 to 4096. Default: 16.
     pub samples: u32,
-    /// Texels along the longer side of the ground's shadow map, 16 to 2048. Default: 384.
+    /// Texels along the longer side of the ground's shadow map, 16 to 2046. Default: 256.
     pub ground_texels: u32,
 }
 
@@ -91,9 +91,9 @@ impl Quality {
     #[must_use]
     pub fn settings(self) -> Settings {
         match self {
-            Quality::Draft => Settings { samples: 4, ground_texels: 192 },
-            Quality::Standard => Settings { samples: 16, ground_texels: 384 },
-            Quality::High => Settings { samples: 64, ground_texels: 768 },
+            Quality::Draft => Settings { samples: 4, ground_texels: 128 },
+            Quality::Standard => Settings { samples: 16, ground_texels: 256 },
+            Quality::High => Settings { samples: 64, ground_texels: 512 },
         }
     }
 }
