@@ -77,7 +77,7 @@ fn end_slopes(end: vec3<f32>, radius: f32, is_round: bool, axis: vec3<f32>, dire
     let ay = select(dot(perp(direction), axis.xy), 1.0, is_round);
     let aw = select(-axis.z, 0.0, is_round);
     if is_orthographic() {
-        let extent = radius * sqrt(max(1.0 - ax * ax, 0.0));
+        let extent = radius * sqrt(ay * ay + aw * aw);
         return vec2<f32>(cx - extent, cx + extent);
     }
     return circle_slopes(cx, -end.z, radius, ax, ay, aw);

@@ -51,13 +51,16 @@ enum Wake {
 /// If no file can be read, or there is no display (the message names the `render` command).
 pub fn run(files: Vec<PathBuf>, options: Options) -> Result<()> {
     let model = Model::open(files, &options)?;
-    let no_display = |error: &dyn std::fmt::Display| {
+    // What winit says of it names its own source files; what helps is which display was tried.
+    let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(|_| {
+        let named = |name: &str| std::env::var_os(name).map(|value| format!("{name}={}", value.display()));
+        let tried: Vec<String> = ["WAYLAND_DISPLAY", "DISPLAY"].into_iter().filter_map(named).collect();
+        let why = if tried.is_empty() { "none is set".to_owned() } else { format!("{} gives none", tried.join(", ")) };
         let file = model.first_file().display().to_string();
         Error::Unsupported(format!(
-            "there is no display to open a window on ({error}); to make a picture instead: ballstick render {file} -o picture.png"
+            "there is no display to open a window on ({why}); to make a picture instead: ballstick render {file} -o picture.png"
         ))
-    };
-    let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(|error| no_display(&error))?;
+    })?;
     event_loop.set_control_flow(ControlFlow::Wait);
     let mut app = App {
         proxy: event_loop.create_proxy(),

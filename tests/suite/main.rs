@@ -17,3 +17,5 @@ mod parity;
 mod scenes;
 #[cfg(feature = "gpu")]
 mod shaders;
+#[cfg(feature = "window")]
+mod window;

@@ -71,6 +71,20 @@ pub fn adapters() -> Vec<AdapterReport> {
     ranked(&instance).iter().map(AdapterReport::new).collect()
 }
 
+/// Whether the system can have a real GPU at all. On Linux every driver of one shows a device file; without any there is no
+/// need to load the graphics drivers, which takes a tenth of a second, and of which some write to standard error.
+///
+/// # Errors
+/// [`Error::Gpu`] if there is none.
+pub(super) fn check_for_hardware() -> Result<()> {
+    // Mesa and AMD: dri; NVIDIA's own driver: nvidia0; Windows' subsystem for Linux: dxg; Adreno and Mali: kgsl, mali.
+    const FILES: [&str; 5] = ["/dev/dri", "/dev/nvidia0", "/dev/dxg", "/dev/kgsl-3d0", "/dev/mali0"];
+    if cfg!(target_os = "linux") && !FILES.iter().any(|file| std::path::Path::new(file).exists()) {
+        return Err(Error::Gpu("the system shows no graphics device under /dev".to_owned()));
+    }
+    Ok(())
+}
+
 /// The way to all backends of this build; `None` if it has none. `WGPU_BACKEND` narrows them.
 pub(super) fn instance() -> Option<wgpu::Instance> {
     if wgpu::Instance::enabled_backend_features().is_empty() {

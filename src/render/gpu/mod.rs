@@ -83,7 +83,7 @@ impl GpuRenderer {
     }
 
     fn open(wish: AdapterWish, limits: Option<&wgpu::Limits>) -> Result<GpuRenderer> {
-        let instance = instance()?;
+        let instance = instance(wish)?;
         let (gpu, _) = Gpu::new(adapter::open(wish, &instance, None, limits)?);
         GpuRenderer::on(gpu)
     }
@@ -162,7 +162,10 @@ impl GpuRenderer {
     }
 }
 
-fn instance() -> Result<wgpu::Instance> {
+fn instance(wish: AdapterWish) -> Result<wgpu::Instance> {
+    if wish == AdapterWish::Hardware {
+        adapter::check_for_hardware()?;
+    }
     adapter::instance().ok_or_else(|| Error::Gpu("this build has no graphics backend".to_owned()))
 }
 

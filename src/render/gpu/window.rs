@@ -37,7 +37,7 @@ impl GpuRenderer {
         size_px: [u32; 2],
         wish: AdapterWish,
     ) -> Result<(GpuRenderer, WindowSurface)> {
-        let instance = instance()?;
+        let instance = instance(wish)?;
         let surface = instance
             .create_surface(target)
             .map_err(|error| Error::Gpu(format!("the window cannot be drawn to: {error}")))?;
