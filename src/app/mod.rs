@@ -145,11 +145,11 @@ impl App {
 
 impl ApplicationHandler<Wake> for App {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
-        if self.window.is_none() {
-            if let Err(error) = self.open_window(event_loop) {
-                self.failure = Some(error);
-                event_loop.exit();
-            }
+        if self.window.is_none()
+            && let Err(error) = self.open_window(event_loop)
+        {
+            self.failure = Some(error);
+            event_loop.exit();
         }
     }
 

@@ -102,7 +102,7 @@ fn shared_serials_bond_near_atoms() {
     let text: String = [("1", 0.0), ("2", 1.2), ("1", 50.0), ("2", 51.2)].map(|(n, x)| carbon(n, x)).concat();
     let molecule = one(&format!("{text}CONECT    1    2\nCONECT    1    2\nCONECT    2    1\n"));
     let pairs: Vec<_> = molecule.bonds().iter().map(|bond| (bond.a, bond.b, bond.order)).collect();
-    assert_eq!(pairs, [(0, 1, BondOrder::Single), (2, 3, BondOrder::Unknown)]);
+    assert_eq!(pairs, [(0, 1, BondOrder::Single), (2, 3, BondOrder::Single)]);
 }
 
 #[test]
