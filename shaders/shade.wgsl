@@ -16,10 +16,14 @@ fn shade_surface(point: VisibleSurface, direction: vec3<f32>) -> vec3<f32> {
     let ambient = frame.ambient.x + (frame.up.w - frame.ambient.x) * facing_up;
     let half_sum = key + to_eye;
     let half_way = half_sum * (1.0 / sqrt(max(dot(half_sum, half_sum), 1e-12)));
-    let lit = select(0.0, 1.0, dot(n, key) > 0.0);
-    let highlight = lit * frame.ambient.y * pow(max(dot(n, half_way), 1e-6), frame.ambient.z);
+    var gloss = select(0.0, max(dot(n, half_way), 0.0), dot(n, key) > 0.0);
+    for (var i = 0u; i < u32(frame.ambient.z); i++) {
+        gloss *= gloss;
+    }
+    let highlight = frame.ambient.y * gloss;
     let color = point.albedo * (ambient + lambert) + highlight;
-    let fog = frame.background.w * clamp((point.depth - frame.depth.x) * frame.depth.y, 0.0, 1.0);
+    let behind = clamp((point.depth - frame.depth.x) * frame.depth.y, 0.0, 1.0);
+    let fog = frame.background.w * behind * behind;
     return color + (frame.background.xyz - color) * fog;
 }
 

@@ -23,9 +23,9 @@ pub struct Lighting {
     pub bounce: f32,
     /// Strength of the highlight. Default: 0.22.
     pub specular: f32,
-    /// Blinn–Phong exponent of the highlight. Default: 60.
-    pub shininess: f32,
-    /// How much of the background's colour the farthest point takes on (depth cueing). Default: 0.35.
+    /// Base-2 logarithm of the highlight's Blinn–Phong exponent. Default: 6, an exponent of 64.
+    pub gloss_log2: u8,
+    /// How much of the background's colour the farthest point takes on (depth cueing), half-way a quarter of it. Default: 0.5.
     pub fog: f32,
 }
 
@@ -39,8 +39,8 @@ impl Default for Lighting {
             sky: 0.36,
             bounce: 0.14,
             specular: 0.22,
-            shininess: 60.0,
-            fog: 0.35,
+            gloss_log2: 6,
+            fog: 0.5,
         }
     }
 }
