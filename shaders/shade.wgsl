@@ -21,7 +21,9 @@ fn shade_surface(point: VisibleSurface, direction: vec3<f32>) -> vec3<f32> {
         gloss *= gloss;
     }
     let highlight = frame.ambient.y * gloss;
-    let color = point.albedo * (ambient + lambert) + highlight;
+    let aside = 1.0 - clamp(dot(n, to_eye), 0.0, 1.0);
+    let rim = 1.0 - frame.key_in_world.w * aside * aside;
+    let color = point.albedo * ((ambient + lambert) * rim) + highlight;
     let behind = clamp((point.depth - frame.depth.x) * frame.depth.y, 0.0, 1.0);
     let fog = frame.background.w * behind * behind;
     return color + (frame.background.xyz - color) * fog;

@@ -35,7 +35,7 @@ pub struct FrameConstants {
     pub ground_map: [f32; 4],
     /// Ground map: width and height in texels; z: penumbra sharpness, w: reach of occlusion in ångström.
     pub ground_map_size: [f32; 4],
-    /// Unit direction to the key light in world space; w: 0.
+    /// Unit direction to the key light in world space; w: how much surfaces darken towards their silhouette.
     pub key_in_world: [f32; 4],
     /// The scene's box in world space, lower corner; w: 0.
     pub bounds_min: [f32; 4],
@@ -100,7 +100,7 @@ impl FrameConstants {
             ground_center: ground.map_or([0.0; 4], |g| [g.center_xz[0], g.center_xz[1], g.shadow, g.occlusion]),
             ground_map,
             ground_map_size,
-            key_in_world: row(key_in_world, 0.0),
+            key_in_world: row(key_in_world, light.rim),
             bounds_min: row(if bounds.is_empty() { Vec3::ZERO } else { bounds.min }, 0.0),
             bounds_max: row(if bounds.is_empty() { Vec3::ZERO } else { bounds.max }, 0.0),
             grid,
@@ -205,7 +205,10 @@ pub fn shade_surface(frame: &FrameConstants, surface: &Surface, direction: Vec3)
         gloss *= gloss;
     }
     let highlight = frame.ambient[1] * gloss;
-    let color = surface.albedo * (ambient + lambert) + highlight;
+    // Towards its silhouette a surface darkens, so that white atoms stay round on a white page.
+    let aside = 1.0 - n.dot(to_eye).clamp(0.0, 1.0);
+    let rim = 1.0 - frame.key_in_world[3] * aside * aside;
+    let color = surface.albedo * ((ambient + lambert) * rim) + highlight;
     let behind = ((surface.depth - frame.depth[0]) * frame.depth[1]).clamp(0.0, 1.0);
     let fog = frame.background[3] * behind * behind;
     color + (row(frame.background) - color) * fog

@@ -25,6 +25,8 @@ pub struct Lighting {
     pub specular: f32,
     /// Base-2 logarithm of the highlight's Blinn–Phong exponent. Default: 6, an exponent of 64.
     pub gloss_log2: u8,
+    /// How much darker a surface is at its silhouette. Default: 0.45.
+    pub rim: f32,
     /// How much of the background's colour the farthest point takes on (depth cueing), half-way a quarter of it. Default: 0.5.
     pub fog: f32,
 }
@@ -40,6 +42,7 @@ impl Default for Lighting {
             bounce: 0.14,
             specular: 0.22,
             gloss_log2: 6,
+            rim: 0.45,
             fog: 0.5,
         }
     }
