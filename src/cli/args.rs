@@ -148,7 +148,7 @@ pub struct LookArgs {
     /// along -z with y up) [default: longest axis across, thinnest to the viewer]
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, conflicts_with = "axis", help_heading = "Look")]
     pub view: Option<Direction>,
-    /// Look down the lattice direction [uvw], which points to the viewer: 111, 1-10 or 1,-1,0; needs a unit cell
+    /// Look down the lattice direction UVW, which points to the viewer: 111, 1-10 or 1,-1,0; needs a unit cell
     #[arg(long, value_name = "UVW", allow_hyphen_values = true, help_heading = "Look")]
     pub axis: Option<Axis>,
     /// Alternate locations drawn: highest (occupancy), all, or one letter such as B

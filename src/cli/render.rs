@@ -7,7 +7,7 @@ use super::values::{Altloc, Axis, Direction};
 use crate::cli::args::Channel;
 use crate::error::{Error, Result};
 use crate::render::{Choice, Quality, Selection, Settings, View, select};
-use crate::scene::{AltlocChoice, Background, ColorBy, Item, Orientation, Region, Scene, SceneOptions, Style};
+use crate::scene::{AltlocChoice, Background, ColorBy, Item, Orientation, Scene, SceneOptions, Style};
 use crate::structure::Structure;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -46,7 +46,7 @@ impl Draw for Drawer {
         let renderer = &mut self.selection.insert(selection).renderer;
         let (width, height) = (args.size.width, args.size.height);
         let mut view = View::new(scene.fitted_camera(width as f32 / height as f32), width, height);
-        view.region = args.region.map(|r| Region { x: r.x, y: r.y, width: r.width, height: r.height });
+        view.region = args.region;
         renderer.load(scene)?;
         let drawn = match args.channel {
             Channel::Color => Drawn::Image(renderer.image(&view, &settings(args))?),

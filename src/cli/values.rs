@@ -3,6 +3,8 @@
 use std::num::NonZeroU32;
 use std::str::FromStr;
 
+pub use crate::scene::Region;
+
 /// Most pixels one picture may have: 2³⁰, which are 4 GiB in memory.
 const MAX_PIXELS: u64 = 1 << 30;
 
@@ -32,38 +34,6 @@ impl FromStr for Size {
         let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
         let side = |text: &str| text.trim().parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
         Ok(Size { width: side(width).ok_or_else(wrong)?, height: side(height).ok_or_else(wrong)? })
-    }
-}
-
-/// A part of the picture, in pixels from the upper left corner.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Region {
-    /// Left edge.
-    pub x: u32,
-    /// Upper edge.
-    pub y: u32,
-    /// Width, at least 1.
-    pub width: u32,
-    /// Height, at least 1.
-    pub height: u32,
-}
-
-impl std::fmt::Display for Region {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{},{},{},{}", self.x, self.y, self.width, self.height)
-    }
-}
-
-impl FromStr for Region {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Region, String> {
-        let wrong = || "expected X,Y,W,H in pixels from the upper left corner, such as 0,0,640,360".to_owned();
-        let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
-        match numbers.as_deref() {
-            Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Region { x, y, width, height }),
-            _ => Err(wrong()),
-        }
     }
 }
 
@@ -126,7 +96,7 @@ impl FromStr for Direction {
     }
 }
 
-/// A lattice direction [uvw].
+/// A lattice direction \[uvw\].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Axis(pub [i32; 3]);
 
@@ -150,7 +120,7 @@ impl FromStr for Axis {
         match indices.as_deref() {
             Some(&[0, 0, 0]) => Err("[000] points nowhere".to_owned()),
             Some(&[u, v, w]) if [u, v, w].iter().all(|index| index.unsigned_abs() <= 1000) => Ok(Axis([u, v, w])),
-            _ => Err("expected three indices [uvw] up to 1000, such as 111, 1-10 or 1,-1,0".to_owned()),
+            _ => Err("expected three indices \[uvw\] up to 1000, such as 111, 1-10 or 1,-1,0".to_owned()),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! One picture, two renderers.
 //!
-//! [`frame`] and [`settings`] define the picture, [`cpu`] and `gpu` compute it, each on its own; [`select`] is
+//! [`frame`] and [`settings`] define the picture, [`cpu`] and `gpu` compute it, each on its own; [`mod@select`] is
 //! the only place that knows both. [`cpu::reference`] is the truth the others are measured against.
 
 pub mod bounds;

@@ -50,6 +50,25 @@ pub struct Region {
     pub height: u32,
 }
 
+impl std::fmt::Display for Region {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{},{},{},{}", self.x, self.y, self.width, self.height)
+    }
+}
+
+impl std::str::FromStr for Region {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Region, String> {
+        let wrong = || "expected X,Y,W,H in pixels from the upper left corner, such as 0,0,640,360".to_owned();
+        let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+        match numbers.as_deref() {
+            Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Region { x, y, width, height }),
+            _ => Err(wrong()),
+        }
+    }
+}
+
 /// A ray in view space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {

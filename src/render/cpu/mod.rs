@@ -1,6 +1,6 @@
 //! The CPU renderer: the reference, and the product on machines without a GPU.
 //!
-//! [`reference`] casts one ray after the other over a hierarchy, on one thread. [`tiles`] draws the same picture, bit
+//! [`mod@reference`] casts one ray after the other over a hierarchy, on one thread. [`tiles`] draws the same picture, bit
 //! for bit, tile by tile on all cores: primitives are sorted front to back and binned to tiles by their exact bounds,
 //! and each tile keeps a small depth buffer a sample.
 
