@@ -120,7 +120,7 @@ impl FromStr for Axis {
         match indices.as_deref() {
             Some(&[0, 0, 0]) => Err("[000] points nowhere".to_owned()),
             Some(&[u, v, w]) if [u, v, w].iter().all(|index| index.unsigned_abs() <= 1000) => Ok(Axis([u, v, w])),
-            _ => Err("expected three indices \[uvw\] up to 1000, such as 111, 1-10 or 1,-1,0".to_owned()),
+            _ => Err("expected three indices [uvw] up to 1000, such as 111, 1-10 or 1,-1,0".to_owned()),
         }
     }
 }
