@@ -1,5 +1,6 @@
 // Light and colour: the twins of src/render/frame.rs and of GroundMap::at. Comments stand there.
 #import "common.wgsl"
+#import "color.wgsl"
 
 struct VisibleSurface {
     depth: f32,
@@ -40,7 +41,7 @@ fn shade_ground(point_in_world: vec3<f32>, visible: f32, open: f32) -> vec4<f32>
     let fade = 1.0 - far * far * (3.0 - 2.0 * far);
     let light = (1.0 - frame.ground_center.z * (1.0 - visible)) * (1.0 - frame.ground_center.w * (1.0 - open));
     if is_transparent() {
-        return vec4<f32>(0.0, 0.0, 0.0, fade * (1.0 - light));
+        return vec4<f32>(0.0, 0.0, 0.0, 1.0 - srgb_from_linear(1.0 - fade * (1.0 - light)));
     }
     let background = frame.background.xyz;
     return vec4<f32>(background + (frame.ground_color.xyz * light - background) * fade, 1.0);

@@ -3,7 +3,7 @@
 //! Shading here is the definition; `shaders/shade.wgsl` holds its twin, function for function.
 
 use super::settings::{Settings, View};
-use crate::color::Srgb8;
+use crate::color::{Srgb8, srgb_from_linear};
 use crate::scene::{Background, Scene};
 use glam::{Affine3A, Vec3, Vec4};
 
@@ -226,8 +226,9 @@ pub fn shade_ground(frame: &FrameConstants, point_in_world: Vec3, visible: f32, 
     let background = Vec4::from(frame.background).truncate();
     let ground = Vec4::from(frame.ground_color).truncate();
     if frame.ambient[3] > 0.5 {
-        // Nothing but the shadow: black, as dense as the light is missing.
-        return Vec4::new(0.0, 0.0, 0.0, fade * (1.0 - light));
+        // Nothing but the shadow: black, as dense as the light is missing. Others lay pictures over one another in sRGB, not in
+        // linear light: with this alpha the shadow on white is the one of a picture with a white background.
+        return Vec4::new(0.0, 0.0, 0.0, 1.0 - srgb_from_linear(1.0 - fade * (1.0 - light)));
     }
     Vec4::from((background + (ground * light - background) * fade, 1.0))
 }

@@ -117,6 +117,27 @@ fn regions_are_cut_out_of_the_whole_without_seams() {
 }
 
 #[test]
+fn a_transparent_picture_laid_on_white_is_the_white_one() {
+    let case = |name: &str| scenes::all().into_iter().find(|case| case.name == name).unwrap();
+    let (clear, white) = (case("molecule_transparent"), case("molecule_on_ground"));
+    let laid = reference::image(&clear.scene, &clear.view, &SETTINGS);
+    let want = reference::image(&white.scene, &white.view, &SETTINGS);
+    let (mut shaded, mut compared) = (0, 0);
+    for (got, want) in laid.rgba.chunks_exact(4).zip(want.rgba.chunks_exact(4)) {
+        let alpha = i32::from(got[3]);
+        let black = got[..3] == [0; 3];
+        if alpha < 255 && black {
+            // Ground alone, laid over white as image programs do it: in sRGB.
+            compared += 1;
+            shaded += i32::from(alpha > 40);
+            let on_white = 255 - alpha;
+            assert!((on_white - i32::from(want[0])).abs() <= 1, "{on_white} for {}", want[0]);
+        }
+    }
+    assert!(compared > 4000 && shaded > 200, "{compared} pixels of ground, {shaded} in shadow");
+}
+
+#[test]
 fn the_comparer_fails_when_it_should() {
     let image = |rgba: Vec<u8>| Image { width: 2, height: 1, rgba };
     let base = image(vec![10, 20, 30, 255, 40, 50, 60, 255]);
