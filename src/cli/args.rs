@@ -64,7 +64,7 @@ pub struct ViewArgs {
 #[command(after_help = "\
 Examples:
   ballstick render caffeine.sdf -o caffeine.png
-  ballstick render 1abc.cif -o fig.png --size 3000x2000 --background transparent
+  ballstick render 1crn.pdb -o fig.png --size 3000x2000 --background transparent
   ballstick render *.sdf -o pictures/            one picture each: pictures/NAME.png
   ballstick render *.sdf -o 'out/{stem}.webp'    the same with names of your own
   curl … | ballstick render - -o - > fig.png
@@ -277,11 +277,11 @@ pub enum ProjectionArg {
 /// `--bonds`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum BondsArg {
-    /// The file's, then the residue dictionary's, then by distance
+    /// The file's, and by distance what it leaves open
     Auto,
     /// The file's and no others
     File,
-    /// By distance, whatever the file and the dictionary say
+    /// By distance, whatever the file says
     Perceive,
     /// None
     None,
@@ -318,7 +318,7 @@ pub enum RendererArg {
     Auto,
     /// All cores of the CPU
     Cpu,
-    /// A graphics device, or an error
+    /// A graphics device; where there is none, or it is lost, this is said and the CPU draws
     Gpu,
 }
 

@@ -32,7 +32,11 @@ impl Drawer {
 impl Draw for Drawer {
     fn draw(&mut self, structures: &[Structure], side_by_side: bool, args: &RenderArgs) -> Result<Drawing> {
         let started = Instant::now();
-        let options = scene_options(&args.look, structures)?;
+        let mut options = scene_options(&args.look, structures)?;
+        if side_by_side && options.orientation == Orientation::Auto {
+            // The automatic turn would turn the sheet and with it the order of the records.
+            options.orientation = Orientation::Along { direction: Vec3::NEG_Z, up: Vec3::Y };
+        }
         let offsets = if side_by_side { grid(structures) } else { vec![Vec3::ZERO; structures.len()] };
         let items: Vec<Item<'_>> =
             structures.iter().zip(offsets).map(|(structure, offset)| Item { structure, offset }).collect();

@@ -2,7 +2,7 @@
 //!
 //! A bond outside rings has its sticks side by side; a double or aromatic bond of a ring (up to
 //! [`MAX_RING`] atoms) keeps one stick on the axis and gets a thinner, shorter one on the ring's inner side.
-//! Sticks end inside the balls, so that no flat end shows and nothing is drawn twice.
+//! Sticks end inside the balls, so that no flat end shows and nothing is drawn twice; the inner stick of a ring ends free and round.
 
 use super::instances::{Cap, CylinderInstance};
 use crate::math::direction_or;
@@ -98,7 +98,8 @@ impl StickContext<'_> {
             let inset = (hidden(bond.a).min(hidden(bond.b)) + strand.shortened).min(0.45 * length);
             // An end that shows (no ball hides it) is round unless the stick merely meets the next one on the axis.
             let shows = |atom: u32| reach > (self.ball_radius)(atom) + 1e-4;
-            let cap = |atom: u32| if shows(atom) && self.round_ends { Cap::Round } else { Cap::Flat };
+            let free = strand.shortened > 0.0;
+            let cap = |atom: u32| if free || shows(atom) && self.round_ends { Cap::Round } else { Cap::Flat };
             push(CylinderInstance {
                 a: (a + strand.offset + axis * inset).to_array(),
                 b: (b + strand.offset - axis * inset).to_array(),
@@ -135,7 +136,7 @@ impl StickContext<'_> {
                     let inward = center - middle;
                     let inward = direction_or(inward - axis * inward.dot(axis), side);
                     // The inner stick is a chord of the ring's inside: drawn back by what keeps neighbours apart.
-                    let inner = Strand { offset: inward * 1.75 * r, radius: 0.5 * r, shortened: 0.9 * r };
+                    let inner = Strand { offset: inward * 1.75 * r, radius: 0.5 * r, shortened: 1.4 * r };
                     let main = Strand { radius: 0.8 * r, ..single };
                     ([main, inner, single, single], 2)
                 }

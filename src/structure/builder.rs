@@ -287,7 +287,7 @@ impl StructureBuilder {
     pub fn build(self, diagnostics: &mut Diagnostics) -> Structure {
         let (positions, lost) = Positions::from_f64(&self.points, self.decimals);
         if lost || self.digits_lost {
-            let message = "positions have more digits than 48 bits hold; the last ones are rounded";
+            let message = "positions have more digits than can be kept (atoms millions of ångström apart); the last ones are rounded";
             diagnostics.warn(None, message);
         }
         let mut frames = vec![Frame { positions, cell: self.cell, title: self.frame_title }];

@@ -1,8 +1,8 @@
 //! Atom positions: f32 about an f64 origin, with the digits that do not fit kept beside them.
 //!
 //! `position = origin + coarse + fine`. Drawing needs only `coarse`. `fine` is there only where the file's
-//! digits do not fit 24 bits (quantum chemistry output with ten decimals, say): then coarse + fine hold 48 bits,
-//! and what was read can be written back digit for digit.
+//! digits do not fit 24 bits (quantum chemistry output with ten decimals, say): then coarse + fine are the f64 that was read, and
+//! it can be written back digit for digit.
 
 use glam::{DVec3, Vec3};
 
@@ -11,16 +11,17 @@ use glam::{DVec3, Vec3};
 pub struct Positions {
     origin: DVec3,
     coarse: Vec<Vec3>,
-    fine: Vec<Vec3>,
+    fine: Vec<DVec3>,
     decimals: u8,
 }
 
 impl Positions {
-    /// Decimals that an f64 of molecular size holds; more are not written.
+    /// Decimals that an f64 of molecular size holds. With so many, or an unknown number, writers give the shortest digits that read
+    /// back as the same f64.
     pub const MAX_DECIMALS: u8 = 14;
 
     /// From f64 positions and the number of decimals they were written with ([`Positions::MAX_DECIMALS`] where
-    /// unknown, as in computed ones). Returns the positions and whether digits were lost (more than 48 bits).
+    /// unknown, as in computed ones). Returns the positions and whether written digits were lost.
     ///
     /// The origin is the centre of the bounds rounded to a multiple of 1024 Å, so it is 0 for all but displaced molecules.
     #[must_use]
@@ -34,14 +35,20 @@ impl Positions {
         let reach = if points.is_empty() { 0.0 } else { (low - origin).abs().max((high - origin).abs()).max_element() };
         let steps = reach * 10f64.powi(i32::from(decimals));
         // Half a unit of the last written digit must survive rounding to nearest.
-        let fits = |bits: i32| steps < 2f64.powi(bits - 1);
+        let fits_f32 = steps < 2f64.powi(23);
         let coarse: Vec<Vec3> = points.iter().map(|&point| (point - origin).as_vec3()).collect();
-        let fine = if fits(24) {
+        let fine = if fits_f32 {
             Vec::new()
         } else {
-            points.iter().zip(&coarse).map(|(&point, coarse)| (point - origin - coarse.as_dvec3()).as_vec3()).collect()
+            points.iter().zip(&coarse).map(|(&point, coarse)| point - origin - coarse.as_dvec3()).collect()
         };
-        (Positions { origin, coarse, fine, decimals }, !fits(48) && decimals < Self::MAX_DECIMALS)
+        let positions = Positions { origin, coarse, fine, decimals };
+        // Only a molecule spread over thousands of ångström about its origin can lose what f64 held.
+        let half_unit = 0.5 * 10f64.powi(-i32::from(decimals));
+        let differs =
+            |(atom, &point): (usize, &DVec3)| !((positions.get(atom) - point).abs().max_element() < half_unit);
+        let lost = !fits_f32 && points.iter().enumerate().any(differs);
+        (positions, lost)
     }
 
     /// Number of atoms.
@@ -71,7 +78,7 @@ impl Positions {
     /// One position with all the digits kept.
     #[must_use]
     pub fn get(&self, atom: usize) -> DVec3 {
-        let fine = self.fine.get(atom).map_or(DVec3::ZERO, |fine| fine.as_dvec3());
+        let fine = self.fine.get(atom).copied().unwrap_or(DVec3::ZERO);
         self.origin + (self.coarse[atom].as_dvec3() + fine)
     }
 
@@ -118,6 +125,24 @@ mod tests {
         ] {
             assert_eq!(round_trip(text, decimals), text);
         }
+    }
+
+    #[test]
+    fn sixteen_digits_are_the_f64_that_was_read() {
+        for text in ["1.613900000000000", "-0.762100000000000", "12.345678901234567", "0.1"] {
+            let value: f64 = text.parse().unwrap();
+            let (positions, lost) = Positions::from_f64(&[DVec3::splat(value)], 15);
+            assert!(!lost);
+            assert_eq!(positions.written(0).x, value, "{text}");
+        }
+    }
+
+    #[test]
+    fn digits_that_cannot_be_kept_are_reported() {
+        // The origin is far from the first atom, whose last decimals f64 cannot hold beside it.
+        let points = [DVec3::splat(0.123_456_789_012_34), DVec3::splat(2e9)];
+        assert!(Positions::from_f64(&points, 14).1);
+        assert!(!Positions::from_f64(&points[..1], 14).1);
     }
 
     #[test]
