@@ -13,6 +13,7 @@ mod worker;
 use crate::error::{Error, Result};
 use crate::render::{Choice, Settings};
 use crate::scene::SceneOptions;
+use crate::structure::Structure;
 use keys::{Action, action_of};
 use model::Model;
 use navigate::Drag;
@@ -34,8 +35,6 @@ pub struct Options {
     pub settings: Settings,
     /// Which renderer draws.
     pub renderer: Choice,
-    /// How bonds are found.
-    pub bonds: crate::bonds::BondOptions,
 }
 
 /// What other threads tell the event loop.
@@ -45,12 +44,12 @@ enum Wake {
     Frame,
 }
 
-/// Opens the window and returns when it is closed.
+/// Opens a window on structures and returns when it is closed; `files` are where they come from.
 ///
 /// # Errors
-/// If no file can be read, or there is no display (the message names the `render` command).
-pub fn run(files: Vec<PathBuf>, options: Options) -> Result<()> {
-    let model = Model::open(files, &options)?;
+/// If there is no display (the message names the `render` command), or the window fails.
+pub fn run(files: Vec<PathBuf>, structures: Vec<Structure>, options: Options) -> Result<()> {
+    let model = Model::new(files, structures, &options);
     // What winit says of it names its own source files; what helps is which display was tried.
     let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(|_| {
         let named = |name: &str| std::env::var_os(name).map(|value| format!("{name}={}", value.display()));

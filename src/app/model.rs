@@ -2,9 +2,8 @@
 
 use super::Options;
 use super::navigate::{self, Drag};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::export::{atomic, picture};
-use crate::import::{self, ImportOptions};
 use crate::render::{Choice, Settings, View, select};
 use crate::scene::{Camera, Item, Scene, SceneOptions, Style, fit};
 use crate::structure::Structure;
@@ -24,33 +23,12 @@ pub(super) struct Model {
 }
 
 impl Model {
-    /// Reads the files. One that cannot be read is reported on standard error; if none can be, that is the error.
-    pub(super) fn open(files: Vec<PathBuf>, options: &Options) -> Result<Model> {
-        let mut structures = Vec::new();
-        let mut last_error = None;
-        for file in &files {
-            match import::read_path(file, &ImportOptions::default()) {
-                Ok(document) => {
-                    for diagnostic in &document.diagnostics {
-                        eprintln!("{}: {diagnostic}", file.display());
-                    }
-                    // Of a file with several records the first is shown.
-                    let first = document.records.into_iter().next();
-                    structures.extend(first.map(|structure| crate::bonds::assign(structure, &options.bonds)));
-                }
-                Err(error) => {
-                    eprintln!("{}: {error}", file.display());
-                    last_error = Some(error);
-                }
-            }
-        }
-        if structures.is_empty() {
-            return Err(last_error.unwrap_or_else(|| Error::input(None, "no file was given")));
-        }
+    /// Shows structures; `files` are where they come from.
+    pub(super) fn new(files: Vec<PathBuf>, structures: Vec<Structure>, options: &Options) -> Model {
         let scene = build(&structures, &options.scene);
         let camera = scene.fitted_camera(1.6);
         let options = options.scene;
-        Ok(Model { files, structures, options, scene, camera, fitted: true, size_px: [1, 1] })
+        Model { files, structures, options, scene, camera, fitted: true, size_px: [1, 1] }
     }
 
     pub(super) fn first_file(&self) -> &Path {

@@ -184,7 +184,7 @@ pub struct SelectArgs {
     /// Frame (XYZ frame, PDB model, SDF record), counted from 1; with --record the frame of that record
     #[arg(long, value_name = "N", help_heading = "Molecule")]
     pub frame: Option<NonZeroU32>,
-    /// Record of a file with several molecules, counted from 1; all draws them side by side
+    /// Record of a file with several molecules, counted from 1; all takes every one (a picture shows them side by side)
     #[arg(long, value_name = "N|all", help_heading = "Molecule")]
     pub record: Option<RecordChoice>,
 }
@@ -220,7 +220,7 @@ pub struct ConvertArgs {
     /// File to write; - is standard output
     #[arg(value_name = "OUT")]
     pub output: PathBuf,
-    /// Format, where the name of OUT does not say
+    /// Format, json or xyz, where the name of OUT does not say
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<String>,
     /// Bonds.

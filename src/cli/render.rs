@@ -93,24 +93,13 @@ pub(super) fn scene_options(look: &LookArgs, structures: &[Structure]) -> Result
     })
 }
 
-/// What the window starts with. `--axis` needs the cell of the first file, which is read for it.
+/// What the window starts with; `--axis` is that of the first structure's cell.
 #[cfg(feature = "window")]
-pub(super) fn window_options(args: &super::args::ViewArgs) -> Result<crate::app::Options> {
-    let mut structures = Vec::new();
-    match args.files.first() {
-        Some(file) if args.look.axis.is_some() && file.as_os_str() == "-" => {
-            return Err(Error::Unsupported("--axis cannot be used with standard input; use --view".to_owned()));
-        }
-        Some(file) if args.look.axis.is_some() => {
-            structures = crate::import::read_path(file, &crate::import::ImportOptions::default())?.records;
-        }
-        _ => {}
-    }
+pub(super) fn window_options(args: &super::args::ViewArgs, structures: &[Structure]) -> Result<crate::app::Options> {
     Ok(crate::app::Options {
-        scene: scene_options(&args.look, &structures)?,
+        scene: scene_options(&args.look, structures)?,
         settings: Settings::default(),
         renderer: Choice::from_name(&args.renderer.renderer.name()).unwrap_or_default(),
-        bonds: super::load::bond_options(args.bonds),
     })
 }
 

@@ -5,8 +5,23 @@ use super::report::Report;
 
 #[cfg(feature = "window")]
 pub(super) fn run(args: ViewArgs, report: &Report) -> Result<(), String> {
-    let opened = super::render::window_options(&args).and_then(|options| crate::app::run(args.files, options));
-    if let Err(error) = opened {
+    let (mut files, mut structures) = (Vec::new(), Vec::new());
+    for file in &args.files {
+        match super::guarded(|| super::load::read(file, report)) {
+            Ok(document) => {
+                // Of a file with several records the first is shown.
+                let first = document.records.into_iter().next();
+                structures.extend(first.map(|structure| super::load::with_bonds(structure, args.bonds)));
+                files.push(file.clone());
+            }
+            Err(error) => report.fail(file, &error),
+        }
+    }
+    if structures.is_empty() {
+        return Ok(()); // said above, file by file
+    }
+    let options = super::render::window_options(&args, &structures);
+    if let Err(error) = options.and_then(|options| crate::app::run(files, structures, options)) {
         report.fail_with(&error.to_string());
     }
     Ok(())

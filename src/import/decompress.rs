@@ -10,7 +10,7 @@ use flate2::bufread::MultiGzDecoder;
 use std::borrow::Cow;
 use std::io::{ErrorKind, Read};
 
-/// Output up to which the ratio is not looked at (DESIGN of the limits: small files may be as repetitive as they like).
+/// Output up to which the ratio is not looked at: small files may be as repetitive as they like.
 const FREE_BYTES: u64 = 16 << 20;
 /// Layers of gzip in gzip: one is usual, two happen (a server compressing a `.gz`), more is no accident.
 const MAX_LAYERS: usize = 3;

@@ -1,4 +1,4 @@
-//! Whatever the bytes are: no panic, no hang, no memory out of proportion.
+//! Whatever the bytes are: no panic, on the whole way from bytes to bonds, scene and JSON.
 //!
 //! Every molecule in `data/` and every seed below is cut at many points and has bytes changed; headers that promise
 //! more than there is stand by themselves. A panic fails the test; results may be anything.

@@ -141,13 +141,20 @@ fn good_files_hold_what_independent_readers_find() {
                 compare(&row, file, &document, &mut differences);
                 compared += 1;
             }
-            Err(Error::Unsupported(why)) => unread.push(format!("{file}: {why}")),
+            Err(Error::Unsupported(why)) if is_unread(file) => unread.push(format!("{file}: {why}")),
             Err(error) => differences.0.push(format!("{file}: {error}")),
         }
     }
     println!("compared {compared} files; not read: {unread:#?}");
     assert!(compared > 0, "nothing was compared");
     assert!(differences.0.is_empty(), "{:#?}", differences.0);
+}
+
+/// Whether a file is of a kind that is not read yet; every other one must be read, so that no format is lost unseen.
+fn is_unread(file: &str) -> bool {
+    let name = file.strip_suffix(".gz").unwrap_or(file);
+    let later = [".cif", ".mol2", "v3000.sdf"].iter().any(|ending| name.ends_with(ending));
+    later || name == "butane.json" || name.contains("cdjson") // ChemDoodle
 }
 
 #[test]
@@ -159,7 +166,8 @@ fn bad_files_are_refused_or_read_in_part() {
         let expect = row["expect"].as_str().expect("every row says what to expect");
         let result = read_path(&folder.join(file), &ImportOptions::default());
         let fine = match (expect, &result) {
-            ("partial" | "ok", Err(Error::Unsupported(_))) => continue,
+            ("partial" | "ok", Err(Error::Unsupported(_))) if is_unread(file) => continue,
+            (_, Err(Error::Unsupported(_))) if !is_unread(file) && expect != "error" => false,
             ("error" | "partial", Err(_)) => true,
             // What a cut archive still holds is shown, with an error.
             ("error", Ok(document)) => {
