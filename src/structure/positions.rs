@@ -45,8 +45,7 @@ impl Positions {
         let positions = Positions { origin, coarse, fine, decimals };
         // Only a molecule spread over thousands of ångström about its origin can lose what f64 held.
         let half_unit = 0.5 * 10f64.powi(-i32::from(decimals));
-        let differs =
-            |(atom, &point): (usize, &DVec3)| !((positions.get(atom) - point).abs().max_element() < half_unit);
+        let differs = |(atom, &point): (usize, &DVec3)| (positions.get(atom) - point).abs().max_element() >= half_unit;
         let lost = !fits_f32 && points.iter().enumerate().any(differs);
         (positions, lost)
     }

@@ -440,3 +440,28 @@ fn devices_says_what_auto_uses() {
     let run = Case::new(&[]).run(&["devices"]).status(0);
     assert!(run.out().contains("CPU renderer") && run.out().contains("--renderer auto uses"), "{}", run.out());
 }
+
+#[test]
+fn records_side_by_side_stand_in_the_order_of_the_file() {
+    // Each record is one atom, so ids 1 to 7 are the records: a row of four, a row of three. SD text: 4th line counts, then the atom.
+    let record = |symbol: &str| {
+        format!(
+            "{symbol}\n\n\n  1  0  0  0  0  0  0  0  0  0999 V2000\n    0.0000    0.0000    0.0000 {symbol}   0  0\nM  END\n$$$$\n"
+        )
+    };
+    let case = Case::new(&[("seven.sdf", &["C", "N", "O", "F", "P", "S", "B"].map(record).concat())]);
+    let arguments = ["render", "seven.sdf", "--record", "all", "-o", "id.npy", "--channel", "id", "--size", "90x60"];
+    assert_eq!(case.run(&[&arguments[..], &["--renderer", "cpu"]].concat()).0.status.code(), Some(0));
+    let bytes = fs::read(case.path("id.npy")).unwrap();
+    let ids: Vec<u32> =
+        bytes[bytes.len() - 90 * 60 * 4..].chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().unwrap())).collect();
+    let middle = |id: u32| {
+        let columns: Vec<usize> = (0..ids.len()).filter(|&i| ids[i] == id).map(|i| i % 90).collect();
+        assert!(!columns.is_empty(), "record {id} is not in the picture");
+        columns.iter().sum::<usize>() / columns.len()
+    };
+    for row in [&[1, 2, 3, 4][..], &[5, 6, 7]] {
+        let places: Vec<usize> = row.iter().map(|&id| middle(id)).collect();
+        assert!(places.is_sorted_by(|a, b| a < b), "records {row:?} stand at {places:?}");
+    }
+}
