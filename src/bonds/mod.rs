@@ -133,7 +133,7 @@ fn merge(stated: &[Bond], inferred: Vec<Bond>, structure: &Structure) -> Vec<Bon
     let mut bonds = Vec::with_capacity(stated.len() + inferred.len());
     bonds.extend(stated.iter().map(|&bond| with_kind(bond, structure)));
     bonds.extend(inferred);
-    bonds.sort_by_key(|bond| (bond.a, bond.b));
+    bonds.sort_by_key(Bond::key);
     bonds
 }
 

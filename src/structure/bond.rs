@@ -109,7 +109,7 @@ impl BondSource {
     }
 }
 
-/// A bond between two atoms of one structure; 12 bytes.
+/// A bond between two atoms of one structure, or between an atom and a periodic image of another; 16 bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Bond {
     /// Index of one atom; in [`crate::structure::Structure::bonds`] the smaller one.
@@ -124,13 +124,37 @@ pub struct Bond {
     pub source: BondSource,
     /// Part of an aromatic ring.
     pub aromatic: bool,
+    /// Which periodic image of atom `b` it is bonded to: whole cell vectors added to the position that the file gives.
+    /// All 0 for a bond inside what the file lists.
+    pub image: [i8; 3],
 }
 
 impl Bond {
-    /// A covalent bond that is not aromatic, its atoms in ascending order.
+    /// A covalent bond that is not aromatic, its atoms in ascending order, both as the file lists them.
     #[must_use]
     pub fn new(a: u32, b: u32, order: BondOrder, source: BondSource) -> Bond {
-        Bond { a: a.min(b), b: a.max(b), order, kind: BondKind::Covalent, source, aromatic: false }
+        Bond { a: a.min(b), b: a.max(b), order, kind: BondKind::Covalent, source, aromatic: false, image: [0; 3] }
+    }
+
+    /// Whether it goes to a periodic image, not to the atom as it stands in the file.
+    #[must_use]
+    pub fn is_periodic(&self) -> bool {
+        self.image != [0; 3]
+    }
+
+    /// What tells it from the other bonds of a structure, and their order.
+    #[must_use]
+    pub fn key(&self) -> (u32, u32, [i8; 3]) {
+        (self.a, self.b, self.image)
+    }
+
+    /// The same bond seen so that `a < b`, or, from an atom to its own image, so that the first shift that is not 0 is
+    /// positive.
+    #[must_use]
+    pub fn turned(self) -> Bond {
+        let back = self.image.map(i8::saturating_neg);
+        let turn = self.a > self.b || (self.a == self.b && back > self.image);
+        if turn { Bond { a: self.b, b: self.a, image: back, ..self } } else { self }
     }
 }
 
@@ -146,14 +170,15 @@ pub enum StatedBonds {
     Complete,
 }
 
-/// Sorted by `(a, b)` with `a < b`, no duplicates (the first of a pair stays), no self-bonds, all atoms below `atom_count`.
+/// Turned and sorted by [`Bond::key`], no duplicates (the first of a pair stays), no bonds of an atom to itself but to
+/// its images, all atoms below `atom_count`.
 pub(super) fn normalise(mut bonds: Vec<Bond>, atom_count: usize) -> Vec<Bond> {
     for bond in &mut bonds {
-        (bond.a, bond.b) = (bond.a.min(bond.b), bond.a.max(bond.b));
+        *bond = bond.turned();
     }
-    bonds.retain(|bond| bond.a != bond.b && (bond.b as usize) < atom_count);
-    bonds.sort_by_key(|bond| (bond.a, bond.b)); // stable: the first of a pair stays the first
-    bonds.dedup_by_key(|bond| (bond.a, bond.b));
+    bonds.retain(|bond| (bond.a != bond.b || bond.is_periodic()) && (bond.b as usize) < atom_count);
+    bonds.sort_by_key(Bond::key); // stable: the first of a pair stays the first
+    bonds.dedup_by_key(|bond| bond.key());
     bonds
 }
 
@@ -162,8 +187,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_bond_takes_12_bytes() {
-        assert_eq!(size_of::<Bond>(), 12);
+    fn a_bond_takes_16_bytes() {
+        assert_eq!(size_of::<Bond>(), 16);
     }
 
     #[test]
@@ -178,5 +203,14 @@ mod tests {
         ];
         let got = normalise(bonds, 4);
         assert_eq!(got, vec![bond(0, 2, BondOrder::Single), bond(1, 3, BondOrder::Double)]);
+    }
+
+    #[test]
+    fn bonds_to_images_are_told_apart() {
+        let to = |a, b, image| Bond { a, b, image, ..Bond::new(0, 1, BondOrder::Single, BondSource::Distance) };
+        // Two images of one pair, the second one given from its other end, and an atom with its own image both ways.
+        let bonds = vec![to(0, 1, [1, 0, 0]), to(1, 0, [0, 0, 1]), to(2, 2, [0, -1, 0]), to(2, 2, [0, 1, 0])];
+        let got = normalise(bonds, 3);
+        assert_eq!(got, vec![to(0, 1, [0, 0, -1]), to(0, 1, [1, 0, 0]), to(2, 2, [0, 1, 0])]);
     }
 }

@@ -1,8 +1,8 @@
 //! How importers fill a [`Structure`]: atom by atom, then frames, then bonds.
 
 use super::{
-    Bond, BondStereo, Cell, Diagnostics, Frame, NameId, Names, Positions, Residue, SecondaryElement, StatedBonds,
-    Structure, VectorField, bond,
+    Bond, BondStereo, Cell, ComponentBonds, Diagnostics, Frame, NameId, Names, Positions, Residue, SecondaryElement,
+    StatedBonds, Structure, Symmetry, VectorField, bond,
 };
 use crate::element::Element;
 use glam::DVec3;
@@ -89,6 +89,8 @@ pub struct StructureBuilder {
     more_frames: Vec<Frame>,
     frame_title: String,
     secondary: Vec<SecondaryElement>,
+    symmetry: Option<Symmetry>,
+    components: Vec<ComponentBonds>,
     vectors: Vec<VectorField>,
     properties: Vec<(String, String)>,
     digits_lost: bool,
@@ -261,6 +263,16 @@ impl StructureBuilder {
         self.secondary.push(element);
     }
 
+    /// Sets the symmetry of the crystal.
+    pub fn set_symmetry(&mut self, symmetry: Option<Symmetry>) {
+        self.symmetry = symmetry;
+    }
+
+    /// Adds the bonds inside residues of one name.
+    pub fn push_component(&mut self, component: ComponentBonds) {
+        self.components.push(component);
+    }
+
     /// Adds a vector field; one of another length than the atoms is refused with `false`.
     #[must_use]
     pub fn push_vectors(&mut self, field: VectorField) -> bool {
@@ -297,8 +309,8 @@ impl StructureBuilder {
             .bond_stereo
             .iter()
             .filter_map(|&(from, to, stereo)| {
-                let key = (from.min(to), from.max(to));
-                let index = bonds.binary_search_by_key(&key, |bond| (bond.a, bond.b)).ok()?;
+                let key = (from.min(to), from.max(to), [0; 3]);
+                let index = bonds.binary_search_by_key(&key, Bond::key).ok()?;
                 Some((u32::try_from(index).ok()?, stereo))
             })
             .collect();
@@ -324,6 +336,8 @@ impl StructureBuilder {
             bond_stereo,
             frames,
             secondary: self.secondary,
+            symmetry: self.symmetry,
+            components: self.components,
             vectors: self.vectors,
             properties: self.properties,
         }

@@ -8,16 +8,20 @@
 mod bond;
 mod builder;
 mod cell;
+mod component;
 mod diagnostic;
 mod names;
 mod positions;
+mod symmetry;
 
 pub use bond::{Bond, BondKind, BondOrder, BondSource, StatedBonds};
 pub use builder::{AtomRecord, StructureBuilder};
 pub use cell::Cell;
+pub use component::{ComponentBond, ComponentBonds};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use names::{NameId, Names};
 pub use positions::Positions;
+pub use symmetry::{Symmetry, SymmetryOperation};
 
 use crate::element::Element;
 
@@ -53,6 +57,9 @@ pub mod atom_flags {
     pub const HETERO: u8 = 1;
     /// Not an atom: lone pair, dummy, Drude particle, centroid. Kept, drawn small, never bonded by distance.
     pub const PARTICLE: u8 = 2;
+    /// One of several alternatives about a special position (a negative disorder group in a CIF): its own
+    /// symmetry images are alternatives to it, and it bonds to none of them.
+    pub const SYMMETRY_DISORDER: u8 = 4;
 }
 
 /// A helix or strand as the file states it, by residue numbers.
@@ -114,6 +121,8 @@ pub struct Structure {
     pub(crate) bond_stereo: Vec<(u32, BondStereo)>,
     pub(crate) frames: Vec<Frame>,
     pub(crate) secondary: Vec<SecondaryElement>,
+    pub(crate) symmetry: Option<Symmetry>,
+    pub(crate) components: Vec<ComponentBonds>,
     pub(crate) vectors: Vec<VectorField>,
     pub(crate) properties: Vec<(String, String)>,
 }
@@ -226,7 +235,8 @@ impl Structure {
         self.radical.get(atom).copied().unwrap_or(0)
     }
 
-    /// The bonds: before perception those the file states, after it all of them. Sorted by `(a, b)`, `a < b`, no duplicates.
+    /// The bonds: before perception those the file states, after it all of them. Sorted by
+    /// [`Bond::key`], each as [`Bond::turned`] has it, no duplicates.
     #[must_use]
     pub fn bonds(&self) -> &[Bond] {
         &self.bonds
@@ -268,6 +278,18 @@ impl Structure {
         &self.secondary
     }
 
+    /// The symmetry of the crystal, if the file states it.
+    #[must_use]
+    pub fn symmetry(&self) -> Option<&Symmetry> {
+        self.symmetry.as_ref()
+    }
+
+    /// The bonds inside residues as the file itself lists them by atom names (`_chem_comp_bond`).
+    #[must_use]
+    pub fn components(&self) -> &[ComponentBonds] {
+        &self.components
+    }
+
     /// Vectors on atoms (first frame).
     #[must_use]
     pub fn vectors(&self) -> &[VectorField] {
@@ -280,7 +302,7 @@ impl Structure {
         &self.properties
     }
 
-    /// The same structure with these bonds in place of its own. They are sorted, turned to `a < b` and made unique
+    /// The same structure with these bonds in place of its own. They are turned ([`Bond::turned`]), sorted and made unique
     /// (the first of a pair stays); bonds of an atom to itself or to an atom that is not there are left out. Stereo marks
     /// follow their bonds, or go with them.
     #[must_use]
@@ -290,7 +312,7 @@ impl Structure {
         self.bond_stereo = (self.bond_stereo.iter())
             .filter_map(|&(index, stereo)| {
                 let marked = old.get(index as usize)?;
-                let index = bonds.binary_search_by_key(&(marked.a, marked.b), |bond| (bond.a, bond.b)).ok()?;
+                let index = bonds.binary_search_by_key(&marked.key(), Bond::key).ok()?;
                 Some((u32::try_from(index).ok()?, stereo))
             })
             .collect();
