@@ -13,14 +13,17 @@
 //! The result is the same for every order of the atoms, up to ties, which the lower index wins, and for every
 //! number of threads.
 //!
+//! Where a frame has a unit cell by which its atoms repeat, bonds go across its faces (`periodic`).
+//!
 //! Limits: distances are taken in f32 about the structure's origin (an error of 0.001 Å at 10,000 Å from it);
-//! periodic images are not looked at; atoms piled up beyond any physical density (`grid`) get no inferred bonds.
+//! atoms piled up beyond any physical density (`grid`) get no inferred bonds.
 
 mod contacts;
 mod distance;
 mod grid;
 mod hydrogen;
 mod metal;
+mod periodic;
 mod rules;
 mod sites;
 mod valence;
@@ -106,16 +109,16 @@ pub fn find(structure: &Structure, frame: usize, options: &BondOptions) -> Vec<B
     let options = options.sane();
     let stated = match options.mode {
         BondMode::None => return Vec::new(),
-        BondMode::File => return structure.bonds().to_vec(),
-        BondMode::Perceive => &[],
-        BondMode::Auto if structure.stated_bonds() == StatedBonds::Complete => return structure.bonds().to_vec(),
-        BondMode::Auto => structure.bonds(),
+        BondMode::Perceive => Vec::new(),
+        BondMode::File | BondMode::Auto => periodic::with_images(structure, frame, structure.bonds()),
     };
-    let inferred = match structure.frames().get(frame) {
-        Some(frame) => distance::find(structure, frame.positions.relative(), stated, &options),
-        None => Vec::new(),
-    };
-    merge(stated, inferred, structure)
+    if options.mode == BondMode::File
+        || (options.mode == BondMode::Auto && structure.stated_bonds() == StatedBonds::Complete)
+    {
+        return stated;
+    }
+    let inferred = periodic::find(structure, frame, &stated, &options);
+    merge(&stated, inferred, structure)
 }
 
 /// The structure with the bonds of its first frame.

@@ -60,6 +60,16 @@ impl<'a> Sites<'a> {
         of_code(b' ') + fullest.unwrap_or(0)
     }
 
+    /// Whether two atoms belong to one residue, or to copies of one: of a water that a periodic box has cut in two, one
+    /// atom may be an image.
+    fn is_same_residue(&self, a: usize, b: usize) -> bool {
+        let residue = |atom: usize| {
+            let residue = self.structure.residues()[self.structure.residue_index(atom)?];
+            Some((residue.name, residue.number, residue.insertion_code, residue.chain))
+        };
+        self.structure.residue_index(a) == self.structure.residue_index(b) || residue(a) == residue(b)
+    }
+
     /// Whether two atoms may bond as far as residues and alternate locations go.
     pub(super) fn may_bond(&self, a: usize, b: usize) -> bool {
         if self.are_alternatives(a, b) {
@@ -73,8 +83,7 @@ impl<'a> Sites<'a> {
             (Role::Plain, Role::Plain) => true,
             (Role::Water, Role::Water) => {
                 // O–H of one molecule. Of hydrogens within reach of two oxygens the nearest wins later on.
-                (element(a) == Element::H) != (element(b) == Element::H)
-                    && self.structure.residue_index(a) == self.structure.residue_index(b)
+                (element(a) == Element::H) != (element(b) == Element::H) && self.is_same_residue(a, b)
             }
             (Role::Water, _) | (_, Role::Water) => false,
             _ => element(a).is_metal() || element(b).is_metal(),

@@ -10,6 +10,7 @@ mod builder;
 mod cell;
 mod component;
 mod diagnostic;
+mod gather;
 mod names;
 mod positions;
 mod symmetry;
@@ -270,6 +271,23 @@ impl Structure {
     #[must_use]
     pub fn cell(&self) -> Option<&Cell> {
         self.frames[0].cell.as_ref()
+    }
+
+    /// The cell by whose vectors the listed atoms of a frame repeat, so that bonds go across its faces: `None` without a
+    /// cell, where the atoms are an asymmetric unit that other operations repeat too, and where the cell is a mere
+    /// placeholder (the 1 × 1 × 1 Å cell of NMR and microscopy entries).
+    #[must_use]
+    pub fn lattice(&self, frame: usize) -> Option<&Cell> {
+        /// Atoms in a cubic ångström. Diamond has 0.176, the densest of all matter at ordinary pressure; twice as many,
+        /// for alternate locations, leave no doubt.
+        const DENSEST: f64 = 0.36;
+        let is_p1 = |symmetry: &Symmetry| {
+            let name: String = symmetry.space_group.split_whitespace().collect();
+            symmetry.operations.len() <= 1 && matches!(name.as_str(), "" | "P1" | "1" | "A1" | "p1")
+        };
+        let cell = self.frames.get(frame)?.cell.as_ref()?;
+        let repeats = self.symmetry.as_ref().is_none_or(is_p1);
+        (repeats && self.atom_count() as f64 <= DENSEST * cell.volume()).then_some(cell)
     }
 
     /// Helices and strands the file states.

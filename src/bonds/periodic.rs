@@ -1,0 +1,256 @@
+//! Bonds across the faces of the unit cell.
+//!
+//! The atoms are wrapped into the cell and a shell of their images is laid around it, two bond lengths thick, so that
+//! an atom at a face and its partners have all their neighbours. On these the bonds are found as on any molecule;
+//! those of the atoms themselves are kept, each with the image it goes to. A bond that the file states without an
+//! image goes to the nearest one if only that is of a bond's length.
+//!
+//! Limit: cells so small or flat that the shell would be many times larger than the structure are taken as if
+//! they did not repeat ([`MOST_IMAGES`]).
+
+use super::rules::{self, PairTable};
+use super::{BondOptions, distance};
+use crate::structure::{Bond, Cell, Positions, Structure};
+use glam::{DVec3, IVec3};
+use std::collections::HashMap;
+
+/// The images of this many atoms are always affordable; of a larger structure, [`IMAGES_PER_ATOM`].
+const MOST_IMAGES: usize = 200_000;
+/// A cubic cell of 4 Å under a shell of 8 Å has 124 images an atom; larger structures have fewer.
+const IMAGES_PER_ATOM: usize = 27;
+/// A stated bond is across the cell only if it is longer than the sum of the covalent radii by this factor as it stands: then it is
+/// no bond (those of the file are kept, but no chemist means three bond lengths).
+const TOO_LONG: f64 = 2.0;
+
+/// The bonds by distance of a frame that are not among the stated ones (sorted), those to periodic images with them, sorted.
+pub(super) fn find(structure: &Structure, frame: usize, stated: &[Bond], options: &BondOptions) -> Vec<Bond> {
+    let Some(positions) = structure.frames().get(frame).map(|frame| &frame.positions) else { return Vec::new() };
+    let extended = structure.lattice(frame).and_then(|cell| Extended::new(structure, positions, cell, options));
+    match extended {
+        Some(extended) => extended.find(stated, options),
+        None => distance::find(structure, positions.relative(), stated, options),
+    }
+}
+
+/// The stated bonds, those that are far too long as they stand turned to the nearest image.
+pub(super) fn with_images(structure: &Structure, frame: usize, stated: &[Bond]) -> Vec<Bond> {
+    let mut bonds = stated.to_vec();
+    let (Some(cell), Some(frame)) = (structure.lattice(frame), structure.frames().get(frame)) else { return bonds };
+    let (to_fractional, from_fractional) = (cell.fractional_from_cartesian(), cell.cartesian_from_fractional());
+    for bond in bonds.iter_mut().filter(|bond| !bond.is_periodic()) {
+        let [a, b] = [bond.a, bond.b].map(|atom| structure.elements()[atom as usize]);
+        let longest = TOO_LONG * f64::from(rules::radii(a, b));
+        let vector = frame.positions.get(bond.b as usize) - frame.positions.get(bond.a as usize);
+        if vector.length() <= longest {
+            continue;
+        }
+        let shift = -(to_fractional * vector).round();
+        if (vector + from_fractional * shift).length() <= longest {
+            bond.image = image_of(shift.as_ivec3()).unwrap_or(bond.image);
+        }
+    }
+    bonds.sort_by_key(Bond::key);
+    bonds
+}
+
+/// A structure with the images around its cell.
+struct Extended {
+    /// The atoms, wrapped, then the images.
+    all: Structure,
+    atom_count: usize,
+    /// How many cells each atom was from home.
+    home: Vec<IVec3>,
+    /// Atom and cell of each image.
+    images: Vec<(u32, IVec3)>,
+}
+
+impl Extended {
+    fn new(structure: &Structure, positions: &Positions, cell: &Cell, options: &BondOptions) -> Option<Extended> {
+        let atom_count = structure.atom_count();
+        let reach = f64::from(PairTable::new(structure.elements(), options).longest(true));
+        let (to_fractional, from_fractional) = (cell.fractional_from_cartesian(), cell.cartesian_from_fractional());
+        let [a, b, c] = cell.vectors();
+        let spacing =
+            DVec3::from_array([b.cross(c), c.cross(a), a.cross(b)].map(|normal| cell.volume() / normal.length()));
+        let margin = DVec3::splat(2.0 * reach) / spacing;
+        let mut home = Vec::with_capacity(atom_count);
+        let mut sources = Vec::with_capacity(atom_count);
+        let mut images = Vec::new();
+        let most = MOST_IMAGES.max(IMAGES_PER_ATOM * atom_count);
+        for atom in 0..atom_count {
+            let fractional = to_fractional * positions.get(atom);
+            let floor = fractional.floor();
+            if floor.abs().max_element() > 1e6 || floor.is_nan() {
+                return None; // no such file means a lattice
+            }
+            let wrapped = fractional - floor;
+            let first = (-margin - wrapped).ceil().as_ivec3();
+            let last = (DVec3::ONE + margin - wrapped).floor().as_ivec3();
+            let count = (last - first + 1).as_i64vec3();
+            let count = count.x.saturating_mul(count.y).saturating_mul(count.z);
+            if usize::try_from(count).map_or(true, |count| images.len().saturating_add(count) > most) {
+                return None;
+            }
+            for x in first.x..=last.x {
+                for y in first.y..=last.y {
+                    for z in first.z..=last.z {
+                        let shift = IVec3::new(x, y, z);
+                        if shift != IVec3::ZERO {
+                            images.push((atom as u32, shift)); // a structure has fewer than 2^32 atoms
+                        }
+                    }
+                }
+            }
+            home.push(floor.as_ivec3());
+            sources.push((atom as u32, from_fractional * wrapped));
+        }
+        // Image by image, so that the atoms of a residue stay together.
+        images.sort_unstable_by_key(|&(atom, shift)| (shift.to_array(), atom));
+        for &(atom, shift) in &images {
+            sources.push((atom, sources[atom as usize].1 + from_fractional * shift.as_dvec3()));
+        }
+        Some(Extended { all: structure.gather(&sources, None), atom_count, home, images })
+    }
+
+    /// Atom and cell of one of all.
+    fn place(&self, index: u32) -> (u32, IVec3) {
+        match (index as usize).checked_sub(self.atom_count) {
+            Some(image) => self.images[image],
+            None => (index, IVec3::ZERO),
+        }
+    }
+
+    fn find(&self, stated: &[Bond], options: &BondOptions) -> Vec<Bond> {
+        let stated = self.stated_everywhere(stated);
+        let found = distance::find(&self.all, self.all.positions().relative(), &stated, options);
+        let mut bonds: Vec<Bond> = (found.into_iter())
+            .filter(|bond| (bond.a as usize) < self.atom_count)
+            .filter_map(|bond| {
+                let (b, shift) = self.place(bond.b);
+                // From wrapped positions back to those of the file.
+                let image = image_of(shift - self.home[b as usize] + self.home[bond.a as usize])?;
+                Some(Bond { b, image, ..bond }.turned())
+            })
+            .collect();
+        // A bond across a face is found from both of its ends.
+        bonds.sort_unstable_by_key(Bond::key);
+        bonds.dedup_by_key(|bond| bond.key());
+        bonds
+    }
+
+    /// The stated bonds of the atoms and of all images, sorted.
+    fn stated_everywhere(&self, stated: &[Bond]) -> Vec<Bond> {
+        if stated.is_empty() {
+            return Vec::new();
+        }
+        let mut cells_of: HashMap<u32, Vec<(IVec3, u32)>> = HashMap::new();
+        for index in 0..self.all.atom_count() as u32 {
+            let (atom, shift) = self.place(index);
+            cells_of.entry(atom).or_default().push((shift, index));
+        }
+        let mut everywhere = Vec::new();
+        for bond in stated {
+            let step =
+                IVec3::from_array(bond.image.map(i32::from)) - self.home[bond.a as usize] + self.home[bond.b as usize];
+            let (Some(of_a), Some(of_b)) = (cells_of.get(&bond.a), cells_of.get(&bond.b)) else { continue };
+            for &(shift, a) in of_a {
+                let partner = of_b.iter().find(|&&(other, _)| other == shift + step);
+                everywhere.extend(partner.map(|&(_, b)| Bond { a, b, image: [0; 3], ..*bond }.turned()));
+            }
+        }
+        everywhere.sort_unstable_by_key(Bond::key);
+        everywhere
+    }
+}
+
+/// As a bond holds it; `None` for what is further than 127 cells away.
+fn image_of(shift: IVec3) -> Option<[i8; 3]> {
+    let [x, y, z] = shift.to_array().map(i8::try_from);
+    Some([x.ok()?, y.ok()?, z.ok()?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{BondOptions, assign, find};
+    use crate::element::Element;
+    use crate::structure::{
+        AtomRecord, Bond, BondOrder, BondSource, Cell, Diagnostics, StatedBonds, Structure, StructureBuilder,
+    };
+    use glam::DVec3;
+
+    /// Atoms at fractional positions of a cubic cell.
+    fn crystal(edge: f64, atoms: &[(&str, [f64; 3])]) -> StructureBuilder {
+        let mut builder = StructureBuilder::new();
+        for (symbol, at) in atoms {
+            let element = Element::from_symbol(symbol).unwrap();
+            builder.push_atom(&AtomRecord { element, position: DVec3::from(*at) * edge, ..AtomRecord::default() });
+        }
+        builder.set_cell(Cell::from_parameters([edge; 3], [90.0; 3]));
+        builder
+    }
+
+    fn built(builder: StructureBuilder) -> Structure {
+        builder.build(&mut Diagnostics::default())
+    }
+
+    fn degrees(structure: &Structure, bonds: &[Bond]) -> Vec<usize> {
+        let ends = |atom: u32| bonds.iter().map(|bond| usize::from(bond.a == atom) + usize::from(bond.b == atom)).sum();
+        (0..structure.atom_count() as u32).map(ends).collect()
+    }
+
+    #[test]
+    fn every_atom_of_a_crystal_has_all_its_neighbours() {
+        let face_centred = [[0.0, 0.0, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]];
+        let shifted = |by: f64| face_centred.map(|at| at.map(|x| x + by));
+        let atoms = |symbol, at: [[f64; 3]; 4]| at.map(|at| (symbol, at));
+        let diamond = [atoms("C", face_centred), atoms("C", shifted(0.25))].concat();
+        let salt = [atoms("Na", face_centred), atoms("Cl", shifted(0.5))].concat();
+        for (edge, atoms, neighbours) in
+            [(3.567, diamond, 4), (5.64, salt, 6), (3.615, atoms("Cu", face_centred).to_vec(), 12)]
+        {
+            let structure = built(crystal(edge, &atoms));
+            let bonds = find(&structure, 0, &BondOptions::default());
+            assert_eq!(degrees(&structure, &bonds), vec![neighbours; atoms.len()], "{}", atoms[0].0);
+            assert!(bonds.is_sorted_by_key(Bond::key));
+        }
+        // One atom in the cell: bonds to its own images.
+        let polonium = built(crystal(3.359, &[("Po", [0.3, 0.4, 0.5])]));
+        let bonds = find(&polonium, 0, &BondOptions::default());
+        assert_eq!(bonds.iter().map(|bond| bond.image).collect::<Vec<_>>(), [[0, 0, 1], [0, 1, 0], [1, 0, 0]]);
+    }
+
+    #[test]
+    fn images_are_those_of_the_listed_positions_wherever_they_are() {
+        // Hydrogen fluoride across a face, listed wrapped, whole, and with one atom three cells away.
+        for (hydrogen, image) in [(0.05, [1, 0, 0]), (1.05, [0, 0, 0]), (-2.95, [4, 0, 0])] {
+            let structure = built(crystal(10.0, &[("F", [0.96, 0.5, 0.5]), ("H", [hydrogen, 0.5, 0.5])]));
+            let bonds = find(&structure, 0, &BondOptions::default());
+            assert_eq!(bonds.iter().map(|bond| (bond.a, bond.b, bond.image)).collect::<Vec<_>>(), [(0, 1, image)]);
+        }
+    }
+
+    #[test]
+    fn a_cell_that_is_a_placeholder_repeats_nothing() {
+        let structure = built(crystal(1.0, &[("C", [0.0, 0.0, 0.0]), ("C", [1.5, 0.0, 0.0])]));
+        let bonds = assign(structure, &BondOptions::default()).bonds().to_vec();
+        assert_eq!(bonds, [Bond::new(0, 1, BondOrder::Single, BondSource::Distance)]);
+    }
+
+    #[test]
+    fn a_flat_cell_costs_no_more_than_its_atoms() {
+        let mut builder = crystal(10.0, &[("C", [0.0; 3])]);
+        builder.set_cell(Cell::from_parameters([1e-3, 1e-3, 1e7], [90.0; 3]));
+        assert!(find(&built(builder), 0, &BondOptions::default()).is_empty());
+    }
+
+    #[test]
+    fn a_stated_bond_across_the_box_goes_to_the_nearest_image() {
+        let mut builder = crystal(10.0, &[("O", [0.98, 0.5, 0.5]), ("H", [0.07, 0.5, 0.5]), ("H", [0.98, 0.6, 0.5])]);
+        for hydrogen in [1, 2] {
+            builder.push_bond(Bond::new(0, hydrogen, BondOrder::Single, BondSource::File));
+        }
+        builder.set_stated_bonds(StatedBonds::Complete);
+        let bonds = find(&built(builder), 0, &BondOptions::default());
+        assert_eq!(bonds.iter().map(|bond| bond.image).collect::<Vec<_>>(), [[1, 0, 0], [0, 0, 0]]);
+    }
+}
