@@ -77,6 +77,7 @@ pub mod app;
 pub mod bonds;
 pub mod cli;
 pub mod color;
+pub mod crystal;
 pub mod element;
 pub mod error;
 pub mod export;

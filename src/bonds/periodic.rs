@@ -69,10 +69,7 @@ impl Extended {
         let atom_count = structure.atom_count();
         let reach = f64::from(PairTable::new(structure.elements(), options).longest(true));
         let (to_fractional, from_fractional) = (cell.fractional_from_cartesian(), cell.cartesian_from_fractional());
-        let [a, b, c] = cell.vectors();
-        let spacing =
-            DVec3::from_array([b.cross(c), c.cross(a), a.cross(b)].map(|normal| cell.volume() / normal.length()));
-        let margin = DVec3::splat(2.0 * reach) / spacing;
+        let margin = 2.0 * reach / cell.face_distances();
         let mut home = Vec::with_capacity(atom_count);
         let mut sources = Vec::with_capacity(atom_count);
         let mut images = Vec::new();

@@ -82,6 +82,14 @@ impl Cell {
         [angle(b, c), angle(a, c), angle(a, b)]
     }
 
+    /// Distances between opposite faces in ångström: those that **a**, **b** and **c** lead from and to.
+    #[must_use]
+    pub fn face_distances(&self) -> DVec3 {
+        let [a, b, c] = self.vectors();
+        let across = |u: DVec3, v: DVec3| self.volume() / u.cross(v).length();
+        DVec3::new(across(b, c), across(c, a), across(a, b))
+    }
+
     /// Volume in Å³.
     #[must_use]
     pub fn volume(&self) -> f64 {

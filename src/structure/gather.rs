@@ -1,6 +1,6 @@
 //! A structure of chosen copies of another one's atoms: cell contents, supercells, whole molecules.
 
-use super::{Cell, Frame, Positions, Residue, Structure, VectorField};
+use super::{Cell, Frame, Positions, Residue, StatedBonds, Structure, VectorField};
 use glam::DVec3;
 
 impl Structure {
@@ -54,7 +54,7 @@ impl Structure {
             residues,
             chains: self.chains.clone(),
             bonds: Vec::new(),
-            stated_bonds: self.stated_bonds,
+            stated_bonds: StatedBonds::None,
             bond_stereo: Vec::new(),
             frames: vec![Frame { positions, cell, title }],
             secondary: Vec::new(),

@@ -9,6 +9,7 @@ const LAYERS: &[&[&str]] = &[
     &["math", "color", "element", "error"],
     &["structure"],
     &["import", "bonds"],
+    &["crystal"],
     &["scene"],
     &["render"],
     &["export"],

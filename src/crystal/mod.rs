@@ -1,0 +1,337 @@
+//! Crystals: which copies of a periodic structure's atoms are drawn. Nothing here changes what was read.
+//!
+//! A file lists an asymmetric unit, or the atoms of one cell; what a chemist wants to see are whole molecules, or a cell
+//! with all that is in it. [`draw`] takes the listed atoms, applies the symmetry (`expand`), finds the bonds of the whole
+//! periodic content, walks them (`molecules`) and places copies:
+//!
+//! - a molecule that ends is drawn whole, wherever the cell's faces cut it;
+//! - a network that never ends (quartz, rock salt, a metal, a framework) is drawn as the content of the cell, its
+//!   atoms on a face on all equivalent faces, and its bonds to what is outside cut at the faces.
+//!
+//! Limits: orthogonal and skew cells alike, but only first frames; the order of atoms in what is drawn is the file's, copy by copy.
+
+mod expand;
+mod molecules;
+
+use crate::bonds::{self, BondOptions};
+use crate::error::{Error, Result};
+use crate::structure::{Bond, BondKind, Cell, Structure};
+use glam::{DVec3, IVec3};
+use molecules::{Molecule, Neighbours};
+use std::collections::{HashMap, HashSet};
+
+/// What of a crystal is drawn; the names are those of `--cell`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum CellChoice {
+    /// The atoms as the file lists them.
+    Asym,
+    /// The molecules that the listed atoms belong to, whole; of a network, what is in the cell.
+    #[default]
+    Molecule,
+    /// All molecules whose middle is in the cell, whole; of a network, what is in the cell.
+    Full,
+}
+
+impl CellChoice {
+    /// All of them.
+    pub const ALL: [CellChoice; 3] = [CellChoice::Asym, CellChoice::Molecule, CellChoice::Full];
+
+    /// `asym`, `molecule` or `full`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            CellChoice::Asym => "asym",
+            CellChoice::Molecule => "molecule",
+            CellChoice::Full => "full",
+        }
+    }
+
+    /// The choice of a name; `None` for any other text.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<CellChoice> {
+        Self::ALL.into_iter().find(|choice| choice.name() == name)
+    }
+}
+
+/// How a crystal is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CrystalOptions {
+    /// What is drawn. Default: [`CellChoice::Molecule`].
+    pub cell: CellChoice,
+    /// Cells along **a**, **b**, **c**. More than one of them turn [`CellChoice::Molecule`] into [`CellChoice::Full`]. Default: 1 × 1 × 1.
+    pub supercell: [u32; 3],
+    /// How bonds are found.
+    pub bonds: BondOptions,
+    /// Most atoms drawn. Default: 50,000,000.
+    pub most_atoms: usize,
+}
+
+impl Default for CrystalOptions {
+    fn default() -> Self {
+        CrystalOptions {
+            cell: CellChoice::default(),
+            supercell: [1; 3],
+            bonds: BondOptions::default(),
+            most_atoms: 50_000_000,
+        }
+    }
+}
+
+/// A bond to an atom that is not drawn, as far as it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stub {
+    /// The bond: `a` is the atom it starts from, `b` a copy of the one it goes to, which stands elsewhere.
+    pub bond: Bond,
+    /// From `a` to where the partner would be, ångström.
+    pub vector: DVec3,
+    /// The part of the vector that is drawn, 0 to 1.
+    pub part: f64,
+}
+
+/// What is drawn of a structure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn {
+    /// The atoms drawn, with the bonds among them; one frame.
+    pub structure: Structure,
+    /// Bonds cut at the faces of the cell.
+    pub stubs: Vec<Stub>,
+    /// The cell, or the box of all cells drawn, with a corner at the origin; `None` if there is none.
+    pub cell: Option<Cell>,
+    /// Whether the cell belongs in the picture: a network is drawn, or whole cells are asked for.
+    pub is_cell_content: bool,
+}
+
+impl Drawn {
+    /// A structure as it is.
+    #[must_use]
+    pub fn as_listed(structure: Structure) -> Drawn {
+        let cell = structure.cell().copied();
+        Drawn { structure, stubs: Vec::new(), cell, is_cell_content: false }
+    }
+}
+
+/// How near a face an atom counts as on it, ångström: coordinates with three decimals in a cell of 30 Å are good to
+/// 0.03 Å, and no two atoms are that close.
+const ON_FACE: f64 = 0.1;
+
+/// Finds the bonds of the first frame and what of the structure is drawn.
+///
+/// # Errors
+/// [`Error::Limit`] if that would be more than [`CrystalOptions::most_atoms`].
+pub fn draw(structure: Structure, options: &CrystalOptions) -> Result<Drawn> {
+    let supercell = options.supercell.map(|count| count.max(1));
+    let several = supercell != [1; 3];
+    let choice = if several && options.cell == CellChoice::Molecule { CellChoice::Full } else { options.cell };
+    let listed = structure.atom_count();
+    let (structure, original) = match choice {
+        CellChoice::Asym => (structure, None),
+        CellChoice::Molecule | CellChoice::Full => expand::apply_symmetry(structure, options.most_atoms)?,
+    };
+    let structure = bonds::assign(structure, &options.bonds);
+    let is_cut = structure.bonds().iter().any(Bond::is_periodic);
+    let Some(cell) = structure.lattice(0).copied() else {
+        return Ok(Drawn::as_listed(without_images(structure)));
+    };
+    let is_as_listed = !is_cut && original.is_none() && choice != CellChoice::Full && !several;
+    if is_as_listed {
+        return Ok(Drawn::as_listed(structure));
+    }
+    let neighbours = Neighbours::new(&structure);
+    let fractional = fractional_positions(&structure, &cell);
+    let mut plan = Plan::new(cell, supercell, options.most_atoms);
+    let mut is_network = false;
+    if choice == CellChoice::Asym {
+        plan.add((0..listed as u32).map(|atom| (atom, IVec3::ZERO)), &fractional, Edge::Open)?;
+    } else {
+        let mut seen: HashSet<Vec<u32>> = HashSet::new();
+        for molecule in molecules::find(&neighbours, structure.atom_count()) {
+            if let (CellChoice::Molecule, false, Some(original)) = (choice, molecule.is_endless, &original) {
+                // Of the images of a molecule the one with a listed atom is drawn; of two such, that are images of one
+                // another since their atoms are listed here and there, the first.
+                let mut kind: Vec<u32> = molecule.atoms.iter().map(|&(atom, _)| original[atom as usize]).collect();
+                kind.sort_unstable();
+                if molecule.atoms[0].0 as usize >= listed || !seen.insert(kind) {
+                    continue;
+                }
+            }
+            is_network |= molecule.is_endless;
+            let (copies, edge) = copies(&molecule, &fractional, &cell, choice);
+            plan.add(copies.into_iter(), &fractional, edge)?;
+        }
+    }
+    plan.atoms.sort_unstable_by_key(|&(atom, shift)| (shift != IVec3::ZERO, shift.to_array(), atom));
+    plan.atoms.dedup();
+    let mut drawn = plan.build(&structure, &neighbours, &fractional);
+    drawn.is_cell_content = is_network || several || choice == CellChoice::Full;
+    Ok(drawn)
+}
+
+/// A molecule's atoms where they are drawn, and what happens at the faces.
+fn copies(molecule: &Molecule, fractional: &[DVec3], cell: &Cell, choice: CellChoice) -> (Vec<(u32, IVec3)>, Edge) {
+    if molecule.is_endless {
+        let margin = face_margin(cell);
+        let wrapped = |&(atom, _): &(u32, IVec3)| (atom, -(fractional[atom as usize] + margin).floor().as_ivec3());
+        return (molecule.atoms.iter().map(wrapped).collect(), Edge::Repeated);
+    }
+    let mut atoms = molecule.atoms.clone();
+    if choice == CellChoice::Full {
+        let place = |&(atom, shift): &(u32, IVec3)| fractional[atom as usize] + shift.as_dvec3();
+        let middle = atoms.iter().map(place).sum::<DVec3>() / atoms.len() as f64;
+        let home = (middle + 1e-6).floor().as_ivec3();
+        atoms.iter_mut().for_each(|(_, shift)| *shift -= home);
+    }
+    (atoms, Edge::Open)
+}
+
+/// [`ON_FACE`] in fractional coordinates.
+fn face_margin(cell: &Cell) -> DVec3 {
+    ON_FACE / cell.face_distances()
+}
+
+/// Whether atoms on a face are drawn on the opposite one, too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Edge {
+    Repeated,
+    Open,
+}
+
+/// The copies to be drawn.
+struct Plan {
+    cell: Cell,
+    supercell: [u32; 3],
+    most_atoms: usize,
+    /// Atom, and how many cells its copy is away from where the file has it.
+    atoms: Vec<(u32, IVec3)>,
+}
+
+impl Plan {
+    fn new(cell: Cell, supercell: [u32; 3], most_atoms: usize) -> Plan {
+        Plan { cell, supercell, most_atoms, atoms: Vec::new() }
+    }
+
+    /// Adds these copies in every cell of the supercell.
+    fn add(
+        &mut self,
+        copies: impl ExactSizeIterator<Item = (u32, IVec3)>,
+        fractional: &[DVec3],
+        edge: Edge,
+    ) -> Result<()> {
+        let cells = self.supercell.iter().fold(1usize, |all, &count| all.saturating_mul(count as usize));
+        let wanted = self.atoms.len().saturating_add(copies.len().saturating_mul(cells));
+        if wanted > self.most_atoms {
+            let [a, b, c] = self.supercell;
+            let message = format!(
+                "{a}x{b}x{c} cells would be more than {} atoms; ask for fewer with --supercell",
+                self.most_atoms
+            );
+            return Err(Error::limit(None, message));
+        }
+        let margin = face_margin(&self.cell);
+        let ends = DVec3::from_array(self.supercell.map(f64::from));
+        for (atom, shift) in copies {
+            for cell in cells_of(self.supercell) {
+                let shift = shift + cell;
+                self.atoms.push((atom, shift));
+                if edge == Edge::Repeated {
+                    let at = fractional[atom as usize] + shift.as_dvec3();
+                    let on_face = at.abs().cmple(margin);
+                    // The opposite faces of those it is on, and the edges and corners where they meet.
+                    for which in 1..8u32 {
+                        let step = |axis: usize| which >> axis & 1 == 1;
+                        if (0..3).all(|axis| !step(axis) || on_face.test(axis)) {
+                            let of = |axis: usize| if step(axis) { ends[axis] as i32 } else { 0 };
+                            self.atoms.push((atom, shift + IVec3::new(of(0), of(1), of(2))));
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The structure of the copies, the bonds among them, and those that are cut.
+    fn build(self, structure: &Structure, neighbours: &Neighbours, fractional: &[DVec3]) -> Drawn {
+        let from_fractional = self.cell.cartesian_from_fractional();
+        let [a, b, c] = self.cell.vectors();
+        let [na, nb, nc] = self.supercell.map(f64::from);
+        let whole = Cell::from_vectors(a * na, b * nb, c * nc);
+        let sources: Vec<(u32, DVec3)> = (self.atoms.iter())
+            .map(|&(atom, shift)| (atom, structure.positions().get(atom as usize) + from_fractional * shift.as_dvec3()))
+            .collect();
+        let index_of: HashMap<(u32, IVec3), u32> =
+            self.atoms.iter().enumerate().map(|(index, &place)| (place, index as u32)).collect();
+        let mut bonds = Vec::new();
+        let mut stubs = Vec::new();
+        for (from, &(atom, shift)) in self.atoms.iter().enumerate() {
+            for (other, step, number) in neighbours.of(atom) {
+                let bond = structure.bonds()[number as usize];
+                let from = from as u32;
+                if let Some(&to) = index_of.get(&(other, shift + step)) {
+                    // Every bond is met from both of its ends.
+                    if from < to {
+                        bonds.push(Bond { a: from, b: to, image: [0; 3], ..bond });
+                    }
+                    continue;
+                }
+                let Some(&copy) = (index_of.get(&(other, shift))).or_else(|| index_of.get(&(other, IVec3::ZERO)))
+                else {
+                    continue;
+                };
+                let start = fractional[atom as usize] + shift.as_dvec3();
+                let end = fractional[other as usize] + (shift + step).as_dvec3();
+                let part = part_inside(start, end, DVec3::new(na, nb, nc), face_margin(&self.cell));
+                if part > 0.0 {
+                    let bond = Bond { a: from, b: copy, image: [0; 3], ..bond };
+                    stubs.push(Stub { bond, vector: from_fractional * (end - start), part });
+                }
+            }
+        }
+        let structure = structure.gather(&sources, whole).with_bonds(bonds);
+        Drawn { structure, stubs, cell: whole, is_cell_content: false }
+    }
+}
+
+/// The part of the way from a point to another up to where it leaves the box from 0 to `size`; half of the way from a
+/// point outside, and nothing of one that leaves at once.
+fn part_inside(start: DVec3, end: DVec3, size: DVec3, margin: DVec3) -> f64 {
+    if start.cmplt(-margin).any() || start.cmpgt(size + margin).any() {
+        return 0.5;
+    }
+    let way = end - start;
+    let leaves = |axis: usize| match way[axis] {
+        along if along > 0.0 => (size[axis] - start[axis]) / along,
+        along if along < 0.0 => -start[axis] / along,
+        _ => f64::INFINITY,
+    };
+    let part = leaves(0).min(leaves(1)).min(leaves(2));
+    // An end this near the face would be a disc on the ball.
+    if part * way.length() <= margin.max_element() { 0.0 } else { part.min(1.0) }
+}
+
+/// All cells of a supercell, from the origin.
+fn cells_of([a, b, c]: [u32; 3]) -> impl Iterator<Item = IVec3> {
+    let cell = move |i: u32, j: u32, k: u32| IVec3::new(i as i32, j as i32, k as i32);
+    (0..a).flat_map(move |i| (0..b).flat_map(move |j| (0..c).map(move |k| cell(i, j, k))))
+}
+
+fn fractional_positions(structure: &Structure, cell: &Cell) -> Vec<DVec3> {
+    let to_fractional = cell.fractional_from_cartesian();
+    (0..structure.atom_count()).map(|atom| to_fractional * structure.positions().get(atom)).collect()
+}
+
+/// The structure without bonds to images, which have no place where nothing repeats.
+fn without_images(structure: Structure) -> Structure {
+    if !structure.bonds().iter().any(Bond::is_periodic) {
+        return structure;
+    }
+    let bonds = structure.bonds().iter().copied().filter(|bond| !bond.is_periodic()).collect();
+    structure.with_bonds(bonds)
+}
+
+/// Whether a bond holds a molecule together.
+fn holds(bond: &Bond) -> bool {
+    bond.kind != BondKind::Hydrogen
+}
+
+#[cfg(test)]
+mod tests;

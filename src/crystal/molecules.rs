@@ -1,0 +1,85 @@
+//! The molecules of a periodic structure: walks along the bonds, counting cells.
+
+use super::holds;
+use crate::structure::Structure;
+use glam::IVec3;
+
+/// The bonds of every atom, with the cells they step over.
+pub(super) struct Neighbours {
+    first: Vec<u32>,
+    steps: Vec<(u32, IVec3, u32)>,
+    is_weak: Vec<bool>,
+}
+
+impl Neighbours {
+    pub(super) fn new(structure: &Structure) -> Neighbours {
+        // A hydrogen bond is drawn, but makes no molecule of two.
+        let ends = |index: usize| {
+            let bond = structure.bonds()[index];
+            let image = IVec3::from_array(bond.image.map(i32::from));
+            [(bond.a, bond.b, image), (bond.b, bond.a, -image)]
+        };
+        let mut first = vec![0u32; structure.atom_count() + 1];
+        for (from, ..) in (0..structure.bonds().len()).flat_map(ends) {
+            first[from as usize + 1] += 1;
+        }
+        for atom in 0..structure.atom_count() {
+            first[atom + 1] += first[atom];
+        }
+        let mut next = first.clone();
+        let mut steps = vec![(0, IVec3::ZERO, 0); 2 * structure.bonds().len()];
+        for index in 0..structure.bonds().len() {
+            for (from, to, step) in ends(index) {
+                let slot = &mut next[from as usize];
+                steps[*slot as usize] = (to, step, index as u32);
+                *slot += 1;
+            }
+        }
+        let is_weak = structure.bonds().iter().map(|bond| !holds(bond)).collect();
+        Neighbours { first, steps, is_weak }
+    }
+
+    /// Partner, cells on the way to it, number of the bond.
+    pub(super) fn of(&self, atom: u32) -> impl Iterator<Item = (u32, IVec3, u32)> + '_ {
+        let atom = atom as usize;
+        self.steps[self.first[atom] as usize..self.first[atom + 1] as usize].iter().copied()
+    }
+}
+
+/// Atoms held together by bonds.
+#[derive(Debug, PartialEq)]
+pub(super) struct Molecule {
+    /// Each atom once, and the cell in which it is bonded to the first, whose own is 0; the first has the lowest index.
+    pub(super) atoms: Vec<(u32, IVec3)>,
+    /// Whether it is bonded to its own image: a chain, layer or network without end.
+    pub(super) is_endless: bool,
+}
+
+/// All molecules, by their first atoms.
+pub(super) fn find(neighbours: &Neighbours, atom_count: usize) -> Vec<Molecule> {
+    let mut cell_of: Vec<Option<IVec3>> = vec![None; atom_count];
+    let mut molecules = Vec::new();
+    for root in 0..atom_count {
+        if cell_of[root].is_some() {
+            continue;
+        }
+        cell_of[root] = Some(IVec3::ZERO);
+        let mut molecule = Molecule { atoms: vec![(root as u32, IVec3::ZERO)], is_endless: false };
+        let mut at = 0;
+        while let Some(&(atom, cell)) = molecule.atoms.get(at) {
+            at += 1;
+            for (other, step, _) in neighbours.of(atom).filter(|&(.., bond)| !neighbours.is_weak[bond as usize]) {
+                match cell_of[other as usize] {
+                    Some(known) => molecule.is_endless |= known != cell + step,
+                    None => {
+                        cell_of[other as usize] = Some(cell + step);
+                        molecule.atoms.push((other, cell + step));
+                    }
+                }
+            }
+        }
+        molecule.atoms[1..].sort_unstable_by_key(|&(atom, _)| atom);
+        molecules.push(molecule);
+    }
+    molecules
+}
