@@ -10,10 +10,10 @@ mod navigate;
 mod screen;
 mod worker;
 
+use crate::crystal::Drawn;
 use crate::error::{Error, Result};
 use crate::render::{Choice, Settings};
 use crate::scene::SceneOptions;
-use crate::structure::Structure;
 use keys::{Action, action_of};
 use model::Model;
 use navigate::Drag;
@@ -31,6 +31,8 @@ use winit::window::{Window, WindowId};
 pub struct Options {
     /// Style, colours, ground, background.
     pub scene: SceneOptions,
+    /// Whether the edges of the unit cell are drawn; `None` leaves it to what is drawn.
+    pub cell_box: Option<bool>,
     /// Quality of the picture at rest.
     pub settings: Settings,
     /// Which renderer draws.
@@ -44,12 +46,12 @@ enum Wake {
     Frame,
 }
 
-/// Opens a window on structures and returns when it is closed; `files` are where they come from.
+/// Opens a window on what is drawn of structures and returns when it is closed; `files` are where they come from.
 ///
 /// # Errors
 /// If there is no display (the message names the `render` command), or the window fails.
-pub fn run(files: Vec<PathBuf>, structures: Vec<Structure>, options: Options) -> Result<()> {
-    let model = Model::new(files, structures, &options);
+pub fn run(files: Vec<PathBuf>, drawn: Vec<Drawn>, options: Options) -> Result<()> {
+    let model = Model::new(files, drawn, &options);
     // What winit says of it names its own source files; what helps is which display was tried.
     let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(|_| {
         let named = |name: &str| std::env::var_os(name).map(|value| format!("{name}={}", value.display()));

@@ -2,18 +2,19 @@
 
 use super::Options;
 use super::navigate::{self, Drag};
+use crate::crystal::Drawn;
 use crate::error::Result;
 use crate::export::{atomic, picture};
 use crate::render::{Choice, Settings, View, select};
 use crate::scene::{Camera, Item, Scene, SceneOptions, Style, fit};
-use crate::structure::Structure;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Files, scene, camera.
 pub(super) struct Model {
     files: Vec<PathBuf>,
-    structures: Vec<Structure>,
+    drawn: Vec<Drawn>,
+    cell_box: Option<bool>,
     options: SceneOptions,
     scene: Arc<Scene>,
     camera: Camera,
@@ -23,12 +24,12 @@ pub(super) struct Model {
 }
 
 impl Model {
-    /// Shows structures; `files` are where they come from.
-    pub(super) fn new(files: Vec<PathBuf>, structures: Vec<Structure>, options: &Options) -> Model {
-        let scene = build(&structures, &options.scene);
+    /// Shows what is drawn; `files` are where they come from.
+    pub(super) fn new(files: Vec<PathBuf>, drawn: Vec<Drawn>, options: &Options) -> Model {
+        let scene = build(&drawn, options.cell_box, &options.scene);
         let camera = scene.fitted_camera(1.6);
-        let options = options.scene;
-        Model { files, structures, options, scene, camera, fitted: true, size_px: [1, 1] }
+        let (cell_box, options) = (options.cell_box, options.scene);
+        Model { files, drawn, cell_box, options, scene, camera, fitted: true, size_px: [1, 1] }
     }
 
     pub(super) fn first_file(&self) -> &Path {
@@ -100,7 +101,7 @@ impl Model {
     pub(super) fn set_style(&mut self, style: Style) {
         if style != self.options.style {
             self.options.style = style;
-            self.scene = build(&self.structures, &self.options);
+            self.scene = build(&self.drawn, self.cell_box, &self.options);
             if self.fitted {
                 self.reset_view();
             }
@@ -126,7 +127,7 @@ impl Model {
     }
 }
 
-fn build(structures: &[Structure], options: &SceneOptions) -> Arc<Scene> {
-    let items: Vec<Item<'_>> = structures.iter().map(Item::of).collect();
+fn build(drawn: &[Drawn], cell_box: Option<bool>, options: &SceneOptions) -> Arc<Scene> {
+    let items: Vec<Item<'_>> = drawn.iter().map(|drawn| Item::drawn(drawn, cell_box)).collect();
     Arc::new(Scene::new(&items, options))
 }

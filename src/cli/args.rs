@@ -1,6 +1,6 @@
 //! The command line, as it is typed. Nothing here acts; names and defaults are what others script against.
 
-use super::values::{Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Size};
+use super::values::{Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Size, Supercell};
 use crate::color::Srgb8;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroU32;
@@ -54,6 +54,9 @@ pub struct ViewArgs {
     /// Molecule.
     #[command(flatten)]
     pub bonds: BondArgs,
+    /// Crystal.
+    #[command(flatten)]
+    pub crystal: CrystalArgs,
     /// Renderer.
     #[command(flatten)]
     pub renderer: RendererArgs,
@@ -112,6 +115,9 @@ pub struct RenderArgs {
     /// Bonds.
     #[command(flatten)]
     pub bonds: BondArgs,
+    /// Crystal.
+    #[command(flatten)]
+    pub crystal: CrystalArgs,
     /// Record and frame.
     #[command(flatten)]
     pub select: SelectArgs,
@@ -154,6 +160,9 @@ pub struct LookArgs {
     /// Alternate locations drawn: highest (occupancy), all, or one letter such as B
     #[arg(long, value_name = "WHICH", default_value = "highest", help_heading = "Molecule")]
     pub altloc: Altloc,
+    /// Draw one stick from a metal to the middle of a ring or double bond that it holds, not one to each atom
+    #[arg(long, help_heading = "Molecule")]
+    pub haptic: bool,
 }
 
 impl LookArgs {
@@ -176,6 +185,31 @@ pub struct BondArgs {
     /// Where bonds come from
     #[arg(long, value_name = "FROM", default_value = "auto", help_heading = "Molecule")]
     pub bonds: BondsArg,
+}
+
+/// What of a crystal is drawn.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct CrystalArgs {
+    /// What of a structure with a unit cell is drawn
+    #[arg(long, value_name = "WHAT", default_value = "molecule", help_heading = "Crystal")]
+    pub cell: CellArg,
+    /// Cells along a, b and c, such as 2x2x1; whole cells, unless --cell asym is given
+    #[arg(long, value_name = "AxBxC", default_value = "1x1x1", help_heading = "Crystal")]
+    pub supercell: Supercell,
+    /// Draw the edges of the unit cell (the default where cells are drawn and not single molecules)
+    #[arg(long, overrides_with = "no_cell_box", help_heading = "Crystal")]
+    pub cell_box: bool,
+    /// Leave the edges of the unit cell out
+    #[arg(long, overrides_with = "cell_box", help_heading = "Crystal")]
+    pub no_cell_box: bool,
+}
+
+impl CrystalArgs {
+    /// Whether the cell's edges are drawn; `None` leaves it to what is drawn.
+    #[must_use]
+    pub fn has_box(&self) -> Option<bool> {
+        (self.cell_box || self.no_cell_box).then_some(self.cell_box)
+    }
 }
 
 /// Which part of a file.
@@ -287,6 +321,17 @@ pub enum BondsArg {
     None,
 }
 
+/// `--cell`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum CellArg {
+    /// The atoms as the file lists them
+    Asym,
+    /// The molecules that these atoms belong to, whole; of an endless network, what is in the cell
+    Molecule,
+    /// All that is in the cell, molecules whole
+    Full,
+}
+
 /// `--channel`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Channel {
@@ -369,6 +414,9 @@ mod tests {
             "--quality=high",
             "--timings",
             "--altloc=B",
+            "--cell=full",
+            "--supercell=2x2x1",
+            "--haptic",
         ];
         let args = render(&flags).unwrap();
         assert_eq!((args.look.style.name(), args.look.has_ground()), ("space-filling".to_owned(), false));

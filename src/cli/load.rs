@@ -1,9 +1,10 @@
 //! From a path to structures with bonds: reading, picking record and frame, finding bonds.
 
-use super::args::{BondArgs, Named, SelectArgs};
+use super::args::{BondArgs, CrystalArgs, Named, SelectArgs};
 use super::report::Report;
 use super::values::RecordChoice;
 use crate::bonds::{self, BondMode, BondOptions};
+use crate::crystal::{self, CellChoice, CrystalOptions, Drawn};
 use crate::error::{Error, Result};
 use crate::import::{self, Document, ImportOptions};
 use crate::structure::{Bond, BondKind, Structure};
@@ -26,14 +27,14 @@ pub(super) fn read(path: &Path, report: &Report) -> Result<Document> {
     Ok(document)
 }
 
-/// The structures to draw, each with one frame and its bonds.
+/// What is drawn of a file, each structure with one frame and its bonds.
 pub(super) fn load_for_picture(
     path: &Path,
     select: &SelectArgs,
-    bond_args: BondArgs,
+    (bond_args, crystal_args): (BondArgs, CrystalArgs),
     report: &Report,
     seconds: &mut LoadSeconds,
-) -> Result<Vec<Structure>> {
+) -> Result<Vec<Drawn>> {
     let started = Instant::now();
     let document = read(path, report)?;
     let select = match select {
@@ -47,9 +48,25 @@ pub(super) fn load_for_picture(
     structures = structures.into_iter().filter_map(|structure| structure.with_only_frame(0)).collect();
     seconds.read += started.elapsed().as_secs_f64();
     let started = Instant::now();
-    let structures = structures.into_iter().map(|structure| with_bonds(structure, bond_args)).collect();
+    let drawn: Result<Vec<Drawn>> =
+        structures.into_iter().map(|structure| drawn(structure, bond_args, crystal_args)).collect();
+    let drawn = drawn?;
+    if crystal_args.supercell.is_several() && drawn.iter().all(|drawn| drawn.cell.is_none()) {
+        report.warn(path, "--supercell has no effect: the file states no unit cell");
+    }
     seconds.bonds += started.elapsed().as_secs_f64();
-    Ok(structures)
+    Ok(drawn)
+}
+
+/// What is drawn of a structure.
+pub(super) fn drawn(structure: Structure, bond_args: BondArgs, args: CrystalArgs) -> Result<Drawn> {
+    let options = CrystalOptions {
+        cell: CellChoice::from_name(&args.cell.name()).unwrap_or_default(),
+        supercell: args.supercell.0,
+        bonds: bond_options(bond_args),
+        ..CrystalOptions::default()
+    };
+    crystal::draw(structure, &options)
 }
 
 /// The records, or the one, that is asked for; with a frame asked for, that frame alone.

@@ -8,24 +8,24 @@ use super::load::{LoadSeconds, load_for_picture};
 use super::plan::{Picture, Plan, plan};
 use super::report::Report;
 use super::values::{RecordChoice, check_size};
+use crate::crystal::Drawn;
 use crate::error::{Error, Result};
 use crate::export::atomic;
 use crate::export::picture::{self, Content, PictureFormat, PictureOptions};
 use crate::render::image::{GBuffer, Image};
-use crate::structure::Structure;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
 
 /// What a renderer hands back.
-pub(super) enum Drawn {
+pub(super) enum Pixels {
     Image(Image),
     Surface(GBuffer),
 }
 
 /// A picture and what it took.
 pub(super) struct Drawing {
-    pub(super) drawn: Drawn,
+    pub(super) drawn: Pixels,
     /// The renderer's name.
     pub(super) renderer: String,
     /// What the user should know of it.
@@ -37,7 +37,7 @@ pub(super) struct Drawing {
 /// Draws structures as the arguments ask.
 pub(super) trait Draw {
     /// `side_by_side` says that the structures are to stand next to one another, not where their files put them.
-    fn draw(&mut self, structures: &[Structure], side_by_side: bool, args: &RenderArgs) -> Result<Drawing>;
+    fn draw(&mut self, drawn: &[Drawn], side_by_side: bool, args: &RenderArgs) -> Result<Drawing>;
 
     /// Forgets what a panic may have left half done.
     fn reset(&mut self);
@@ -120,12 +120,13 @@ fn one_picture(
 ) -> Result<()> {
     let started = Instant::now();
     let mut seconds = LoadSeconds::default();
-    let mut structures = Vec::new();
+    let mut drawn = Vec::new();
     let mut drawn_inputs: Vec<&PathBuf> = Vec::new();
     for input in &picture.inputs {
-        match super::guarded(|| load_for_picture(input, &args.select, args.bonds, report, &mut seconds)) {
+        match super::guarded(|| load_for_picture(input, &args.select, (args.bonds, args.crystal), report, &mut seconds))
+        {
             Ok(loaded) => {
-                structures.extend(loaded);
+                drawn.extend(loaded);
                 drawn_inputs.push(input);
             }
             Err(error) => report.fail(input, &error),
@@ -135,20 +136,20 @@ fn one_picture(
         return Ok(()); // said above, input by input
     }
     let side_by_side = args.select.record == Some(RecordChoice::All);
-    let drawing = draw.draw(&structures, side_by_side, args)?;
+    let drawing = draw.draw(&drawn, side_by_side, args)?;
     for notice in &drawing.notices {
         report.warn(&picture.output, notice);
     }
     let encoding = Instant::now();
     let options = PictureOptions {
         background: args.look.solid_background(),
-        texts: metadata(args, &drawn_inputs, &structures, &drawing.renderer),
+        texts: metadata(args, &drawn_inputs, &drawn, &drawing.renderer),
     };
     let content = match (&drawing.drawn, args.channel) {
-        (Drawn::Image(image), Channel::Color) => Content::Color(image),
-        (Drawn::Surface(surface), Channel::Depth) => Content::Depth(surface),
-        (Drawn::Surface(surface), Channel::Normal) => Content::Normal(surface),
-        (Drawn::Surface(surface), Channel::Id) => Content::Id(surface),
+        (Pixels::Image(image), Channel::Color) => Content::Color(image),
+        (Pixels::Surface(surface), Channel::Depth) => Content::Depth(surface),
+        (Pixels::Surface(surface), Channel::Normal) => Content::Normal(surface),
+        (Pixels::Surface(surface), Channel::Id) => Content::Id(surface),
         _ => return Err(Error::Unsupported("the renderer drew another channel than asked for".to_owned())),
     };
     atomic::write(&picture.output, |out| picture::write(content, format, &options, out))?;
@@ -161,8 +162,8 @@ fn one_picture(
         encode: encoding.elapsed().as_secs_f64(),
         total: started.elapsed().as_secs_f64(),
         peak_memory: peak_memory(),
-        atom_count: structures.iter().map(Structure::atom_count).sum(),
-        bond_count: structures.iter().map(|structure| structure.bonds().len()).sum(),
+        atom_count: drawn.iter().map(|drawn| drawn.structure.atom_count()).sum(),
+        bond_count: drawn.iter().map(|drawn| drawn.structure.bonds().len()).sum(),
         renderer: &drawing.renderer,
     };
     if args.timings {
@@ -172,9 +173,9 @@ fn one_picture(
 }
 
 /// What is needed to make the picture again. No dates: the same command gives the same bytes.
-fn metadata(args: &RenderArgs, inputs: &[&PathBuf], structures: &[Structure], renderer: &str) -> Vec<(String, String)> {
+fn metadata(args: &RenderArgs, inputs: &[&PathBuf], drawn: &[Drawn], renderer: &str) -> Vec<(String, String)> {
     let mut texts = vec![("Software".to_owned(), concat!("ballstick ", env!("CARGO_PKG_VERSION")).to_owned())];
-    let title = structures.first().map_or("", Structure::title);
+    let title = drawn.first().map_or("", |drawn| drawn.structure.title());
     if !title.is_empty() {
         texts.push(("Title".to_owned(), super::report::printable(title)));
     }
@@ -231,17 +232,18 @@ mod tests {
     }
 
     impl Draw for Fake {
-        fn draw(&mut self, structures: &[Structure], _: bool, args: &RenderArgs) -> Result<Drawing> {
-            let elements: Vec<&str> = structures.iter().flat_map(|s| s.elements()).map(|e| e.symbol()).collect();
+        fn draw(&mut self, drawn: &[Drawn], _: bool, args: &RenderArgs) -> Result<Drawing> {
+            let elements: Vec<&str> =
+                drawn.iter().flat_map(|drawn| drawn.structure.elements()).map(|e| e.symbol()).collect();
             if elements.contains(&"B") {
                 return Err(Error::Gpu("device lost".to_owned()));
             }
             assert!(!elements.contains(&"Au"), "a bug");
             let drawn = if args.channel == Channel::Color {
-                Drawn::Image(Image { width: 1, height: 1, rgba: vec![elements.len() as u8, 0, 0, 255] })
+                Pixels::Image(Image { width: 1, height: 1, rgba: vec![elements.len() as u8, 0, 0, 255] })
             } else {
                 let (id, depth, normal) = (vec![1], vec![2.0], vec![[0.0, 0.0, 1.0]]);
-                Drawn::Surface(GBuffer { width: 1, height: 1, id, depth, normal })
+                Pixels::Surface(GBuffer { width: 1, height: 1, id, depth, normal })
             };
             Ok(Drawing {
                 drawn,

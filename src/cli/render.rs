@@ -2,13 +2,13 @@
 
 use super::args::{LookArgs, Named, ProjectionArg, RenderArgs, RendererArgs};
 use super::devices::{Adapter, Devices};
-use super::picture::{Draw, Drawing, Drawn};
+use super::picture::{Draw, Drawing, Pixels};
 use super::values::{Altloc, Axis, Direction};
 use crate::cli::args::Channel;
+use crate::crystal::Drawn;
 use crate::error::{Error, Result};
 use crate::render::{Choice, Quality, Selection, Settings, View, select};
 use crate::scene::{AltlocChoice, Background, ColorBy, Item, Orientation, Scene, SceneOptions, Style};
-use crate::structure::Structure;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 use std::time::Instant;
@@ -30,16 +30,17 @@ impl Drawer {
 }
 
 impl Draw for Drawer {
-    fn draw(&mut self, structures: &[Structure], side_by_side: bool, args: &RenderArgs) -> Result<Drawing> {
+    fn draw(&mut self, drawn: &[Drawn], side_by_side: bool, args: &RenderArgs) -> Result<Drawing> {
         let started = Instant::now();
-        let mut options = scene_options(&args.look, structures)?;
+        let mut options = scene_options(&args.look, drawn)?;
         if side_by_side && options.orientation == Orientation::Auto {
             // The automatic turn would turn the sheet and with it the order of the records.
             options.orientation = Orientation::Along { direction: Vec3::NEG_Z, up: Vec3::Y };
         }
-        let offsets = if side_by_side { grid(structures) } else { vec![Vec3::ZERO; structures.len()] };
-        let items: Vec<Item<'_>> =
-            structures.iter().zip(offsets).map(|(structure, offset)| Item { structure, offset }).collect();
+        let offsets = if side_by_side { grid(drawn) } else { vec![Vec3::ZERO; drawn.len()] };
+        let items: Vec<Item<'_>> = (drawn.iter().zip(offsets))
+            .map(|(drawn, offset)| Item { offset, ..Item::drawn(drawn, args.crystal.has_box()) })
+            .collect();
         let scene = Arc::new(Scene::new(&items, &options));
         let scene_seconds = started.elapsed().as_secs_f64();
         let started = Instant::now();
@@ -53,8 +54,8 @@ impl Draw for Drawer {
         view.region = args.region;
         renderer.load(scene)?;
         let drawn = match args.channel {
-            Channel::Color => Drawn::Image(renderer.image(&view, &settings(args))?),
-            Channel::Depth | Channel::Normal | Channel::Id => Drawn::Surface(renderer.gbuffer(&view)?),
+            Channel::Color => Pixels::Image(renderer.image(&view, &settings(args))?),
+            Channel::Depth | Channel::Normal | Channel::Id => Pixels::Surface(renderer.gbuffer(&view)?),
         };
         let render_seconds = started.elapsed().as_secs_f64();
         let notices = renderer.take_notices();
@@ -73,7 +74,7 @@ fn settings(args: &RenderArgs) -> Settings {
 }
 
 /// The scene that the look's flags ask for; `--axis` is that of the first structure's cell.
-pub(super) fn scene_options(look: &LookArgs, structures: &[Structure]) -> Result<SceneOptions> {
+pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOptions> {
     Ok(SceneOptions {
         style: Style::from_name(&look.style.name()).unwrap_or_default(),
         color_by: ColorBy::from_name(&look.color_by.name()).unwrap_or_default(),
@@ -84,20 +85,22 @@ pub(super) fn scene_options(look: &LookArgs, structures: &[Structure]) -> Result
         },
         orientation: match (look.view, look.axis) {
             (Some(direction), _) => along(direction),
-            (None, Some(axis)) => down_axis(axis, structures)?,
+            (None, Some(axis)) => down_axis(axis, drawn)?,
             (None, None) => Orientation::Auto,
         },
         perspective: look.projection == ProjectionArg::Perspective,
         ground: look.has_ground(),
         background: look.background.0.map_or(Background::Transparent, Background::Color),
+        haptic: look.haptic,
     })
 }
 
 /// What the window starts with; `--axis` is that of the first structure's cell.
 #[cfg(feature = "window")]
-pub(super) fn window_options(args: &super::args::ViewArgs, structures: &[Structure]) -> Result<crate::app::Options> {
+pub(super) fn window_options(args: &super::args::ViewArgs, drawn: &[Drawn]) -> Result<crate::app::Options> {
     Ok(crate::app::Options {
-        scene: scene_options(&args.look, structures)?,
+        scene: scene_options(&args.look, drawn)?,
+        cell_box: args.crystal.has_box(),
         settings: Settings::default(),
         renderer: Choice::from_name(&args.renderer.renderer.name()).unwrap_or_default(),
     })
@@ -112,8 +115,8 @@ fn along(Direction(direction): Direction) -> Orientation {
 }
 
 /// Looking down [uvw], which points to the viewer; **c** is up, **b** where we look along **c**.
-fn down_axis(axis: Axis, structures: &[Structure]) -> Result<Orientation> {
-    let cell = structures.iter().find_map(Structure::cell).ok_or_else(|| {
+fn down_axis(axis: Axis, drawn: &[Drawn]) -> Result<Orientation> {
+    let cell = drawn.iter().find_map(|drawn| drawn.cell.as_ref()).ok_or_else(|| {
         let message = format!("--axis {axis} is a direction of the unit cell, but there is none; use --view x,y,z");
         Error::Input { line: None, message }
     })?;
@@ -126,11 +129,11 @@ fn down_axis(axis: Axis, structures: &[Structure]) -> Result<Orientation> {
 
 /// Shifts that put structures next to one another: rows from the upper left in the xy plane, half as many more
 /// columns as rows, as pictures are wider than high, every one in a field of the size of the largest.
-fn grid(structures: &[Structure]) -> Vec<Vec3> {
-    let boxes: Vec<(DVec3, DVec3)> = structures
+fn grid(drawn: &[Drawn]) -> Vec<Vec3> {
+    let boxes: Vec<(DVec3, DVec3)> = drawn
         .iter()
-        .map(|structure| {
-            let positions = structure.positions();
+        .map(|drawn| {
+            let positions = drawn.structure.positions();
             let (low, high) = (0..positions.len())
                 .map(|atom| positions.get(atom))
                 .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
@@ -139,7 +142,7 @@ fn grid(structures: &[Structure]) -> Vec<Vec3> {
         .collect();
     let largest = boxes.iter().fold(DVec3::ZERO, |largest, (low, high)| largest.max(*high - *low));
     let step = largest + f64::from(GAP);
-    let columns = ((structures.len() as f64 * 1.5).sqrt().ceil() as usize).max(1);
+    let columns = ((drawn.len() as f64 * 1.5).sqrt().ceil() as usize).max(1);
     let place = |(index, (low, high)): (usize, &(DVec3, DVec3))| {
         let (column, row) = ((index % columns) as f64, (index / columns) as f64);
         (DVec3::new(column * step.x, -row * step.y, 0.0) - (*low + *high) * 0.5).as_vec3()
@@ -179,12 +182,15 @@ fn adapters() -> Vec<Adapter> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::args::{ColorByArg, QualityArg, RendererArg, StyleArg};
+    use crate::cli::args::{CellArg, ColorByArg, QualityArg, RendererArg, StyleArg};
     use crate::structure::{AtomRecord, Cell, Diagnostics, StructureBuilder};
     use clap::ValueEnum;
 
     #[test]
     fn every_name_of_a_flag_is_one_of_the_library() {
+        for value in CellArg::value_variants() {
+            assert!(crate::crystal::CellChoice::from_name(&value.name()).is_some(), "{value:?}");
+        }
         for value in StyleArg::value_variants() {
             assert!(Style::from_name(&value.name()).is_some(), "{value:?}");
         }
@@ -199,13 +205,13 @@ mod tests {
         }
     }
 
-    fn structure(points: &[[f64; 3]], cell: Option<Cell>) -> Structure {
+    fn structure(points: &[[f64; 3]], cell: Option<Cell>) -> Drawn {
         let mut builder = StructureBuilder::new();
         for &point in points {
             builder.push_atom(&AtomRecord { position: point.into(), ..AtomRecord::default() });
         }
         builder.set_cell(cell);
-        builder.build(&mut Diagnostics::default())
+        Drawn::as_listed(builder.build(&mut Diagnostics::default()))
     }
 
     #[test]

@@ -125,6 +125,40 @@ impl FromStr for Axis {
     }
 }
 
+/// How many cells along **a**, **b** and **c**.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Supercell(pub [u32; 3]);
+
+impl Supercell {
+    /// Whether it is more than one cell.
+    #[must_use]
+    pub fn is_several(self) -> bool {
+        self.0 != [1; 3]
+    }
+}
+
+impl std::fmt::Display for Supercell {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [a, b, c] = self.0;
+        write!(f, "{a}x{b}x{c}")
+    }
+}
+
+impl FromStr for Supercell {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Supercell, String> {
+        let counts: Option<Vec<u32>> = text
+            .split(['x', 'X', '×', ','])
+            .map(|part| part.trim().parse().ok().filter(|n| (1..=10_000).contains(n)))
+            .collect();
+        match counts.as_deref() {
+            Some(&[a, b, c]) => Ok(Supercell([a, b, c])),
+            _ => Err("expected three numbers of cells from 1 to 10000, such as 2x2x1".to_owned()),
+        }
+    }
+}
+
 /// `1-10` as 1, −1, 0.
 fn single_digits(text: &str) -> Option<Vec<i32>> {
     let mut indices = Vec::new();

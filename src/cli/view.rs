@@ -5,23 +5,26 @@ use super::report::Report;
 
 #[cfg(feature = "window")]
 pub(super) fn run(args: ViewArgs, report: &Report) -> Result<(), String> {
-    let (mut files, mut structures) = (Vec::new(), Vec::new());
+    let (mut files, mut drawn) = (Vec::new(), Vec::new());
     for file in &args.files {
-        match super::guarded(|| super::load::read(file, report)) {
-            Ok(document) => {
-                // Of a file with several records the first is shown.
-                let first = document.records.into_iter().next();
-                structures.extend(first.map(|structure| super::load::with_bonds(structure, args.bonds)));
+        let read = || {
+            // Of a file with several records the first is shown.
+            let first = super::load::read(file, report)?.records.into_iter().next();
+            first.map(|structure| super::load::drawn(structure, args.bonds, args.crystal)).transpose()
+        };
+        match super::guarded(read) {
+            Ok(first) => {
+                drawn.extend(first);
                 files.push(file.clone());
             }
             Err(error) => report.fail(file, &error),
         }
     }
-    if structures.is_empty() {
+    if drawn.is_empty() {
         return Ok(()); // said above, file by file
     }
-    let options = super::render::window_options(&args, &structures);
-    if let Err(error) = options.and_then(|options| crate::app::run(files, structures, options)) {
+    let options = super::render::window_options(&args, &drawn);
+    if let Err(error) = options.and_then(|options| crate::app::run(files, drawn, options)) {
         report.fail_with(&error.to_string());
     }
     Ok(())

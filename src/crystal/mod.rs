@@ -11,6 +11,7 @@
 //! Limits: orthogonal and skew cells alike, but only first frames; the order of atoms in what is drawn is the file's, copy by copy.
 
 mod expand;
+mod lattice;
 mod molecules;
 
 use crate::bonds::{self, BondOptions};
@@ -97,6 +98,9 @@ pub struct Drawn {
     pub stubs: Vec<Stub>,
     /// The cell, or the box of all cells drawn, with a corner at the origin; `None` if there is none.
     pub cell: Option<Cell>,
+    /// For every atom whether it is one of a lattice that coordination alone holds together, so that these bonds are
+    /// drawn solid; empty if there are none.
+    pub lattice: Vec<bool>,
     /// Whether the cell belongs in the picture: a network is drawn, or whole cells are asked for.
     pub is_cell_content: bool,
 }
@@ -105,8 +109,8 @@ impl Drawn {
     /// A structure as it is.
     #[must_use]
     pub fn as_listed(structure: Structure) -> Drawn {
-        let cell = structure.cell().copied();
-        Drawn { structure, stubs: Vec::new(), cell, is_cell_content: false }
+        let (cell, lattice) = (structure.cell().copied(), lattice::atoms(&structure));
+        Drawn { structure, stubs: Vec::new(), cell, lattice, is_cell_content: false }
     }
 }
 
@@ -286,8 +290,12 @@ impl Plan {
                 }
             }
         }
+        let mut lattice = lattice::atoms(structure);
+        if !lattice.is_empty() {
+            lattice = sources.iter().map(|&(atom, _)| lattice[atom as usize]).collect();
+        }
         let structure = structure.gather(&sources, whole).with_bonds(bonds);
-        Drawn { structure, stubs, cell: whole, is_cell_content: false }
+        Drawn { structure, stubs, cell: whole, lattice, is_cell_content: false }
     }
 }
 

@@ -1,15 +1,12 @@
-//! Builds a [`Scene`] from structures: which atoms are drawn, their balls and sticks, the turn and the ground.
+//! Builds a [`Scene`] from structures: where they stand, the turn and the ground.
 
 use super::coloring::ColorBy;
-use super::instances::{CylinderInstance, SphereInstance};
 use super::light::{Background, Ground};
-use super::sticks::{Neighbours, StickContext};
-use super::{Block, Placement, Scene, Style, fit};
+use super::{Block, Placement, Scene, Style, block, cell_box, fit};
+use crate::crystal::{Drawn, Stub};
 use crate::math::{Aabb, direction_or};
-use crate::structure::{Structure, atom_flags};
+use crate::structure::{Cell, Structure};
 use glam::{Affine3A, DVec3, Mat3, Quat, Vec3};
-use rayon::prelude::*;
-use std::collections::HashMap;
 
 /// A structure and where it stands.
 #[derive(Debug, Clone, Copy)]
@@ -18,13 +15,32 @@ pub struct Item<'a> {
     pub structure: &'a Structure,
     /// Shift in ångström, for structures side by side.
     pub offset: Vec3,
+    /// Bonds that are cut at the faces of the cell.
+    pub stubs: &'a [Stub],
+    /// Atoms of a lattice, whose coordination is drawn solid; empty if there are none.
+    pub lattice: &'a [bool],
+    /// The cell to be drawn around it, a corner at the file's origin.
+    pub cell_box: Option<&'a Cell>,
 }
 
 impl<'a> Item<'a> {
     /// A structure where its file puts it.
     #[must_use]
     pub fn of(structure: &'a Structure) -> Item<'a> {
-        Item { structure, offset: Vec3::ZERO }
+        Item { structure, offset: Vec3::ZERO, stubs: &[], lattice: &[], cell_box: None }
+    }
+
+    /// What is drawn of a crystal; with its box if that is asked for, or, nothing being said, if cells are shown.
+    #[must_use]
+    pub fn drawn(drawn: &'a Drawn, cell_box: Option<bool>) -> Item<'a> {
+        let cell = drawn.cell.as_ref().filter(|_| cell_box.unwrap_or(drawn.is_cell_content));
+        Item {
+            structure: &drawn.structure,
+            offset: Vec3::ZERO,
+            stubs: &drawn.stubs,
+            lattice: &drawn.lattice,
+            cell_box: cell,
+        }
     }
 }
 
@@ -43,7 +59,8 @@ pub enum AltlocChoice {
 /// How the molecule stands in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Orientation {
-    /// Longest axis across, thinnest to the viewer, looked down on by 17°.
+    /// Longest axis across, thinnest to the viewer, looked down on by 17°; where a cell is drawn that is not flat, **c** up
+    /// and **a** to the viewer, turned by 25°.
     #[default]
     Auto,
     /// The file's axes, looked at along `direction`, with `up` upwards as far as it goes.
@@ -72,6 +89,9 @@ pub struct SceneOptions {
     pub ground: bool,
     /// Background. Default: white.
     pub background: Background,
+    /// Whether a metal has one stick to the middle of a ring or double bond that it holds, in place of one to each
+    /// atom. Default: false.
+    pub haptic: bool,
 }
 
 impl Default for SceneOptions {
@@ -84,6 +104,7 @@ impl Default for SceneOptions {
             perspective: true,
             ground: true,
             background: Background::default(),
+            haptic: false,
         }
     }
 }
@@ -94,21 +115,33 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
     let mut blocks = Vec::with_capacity(items.len());
     let mut placements = Vec::with_capacity(items.len());
     let mut next_id = 0u32;
-    for (index, item) in items.iter().enumerate() {
-        let block = build_block(item.structure, options);
-        let shift = item.structure.positions().origin() - center + item.offset.as_dvec3();
+    let mut place = |block: Block, shift: DVec3| {
         placements.push(Placement {
-            block: index,
+            block: blocks.len(),
             world_from_block: Affine3A::from_translation(shift.as_vec3()),
             first_id: next_id,
         });
         next_id = next_id.saturating_add(block.id_count);
         blocks.push(block);
+    };
+    for item in items {
+        let shift = item.structure.positions().origin() - center + item.offset.as_dvec3();
+        place(block::build(item, options), shift);
+        if let Some(cell) = item.cell_box {
+            let corner = -item.structure.positions().origin().as_vec3();
+            place(cell_box::block(cell, corner), shift);
+        }
     }
     let mut scene = Scene::from_blocks(blocks, placements);
     let (turn, pitch) = match options.orientation {
         Orientation::Auto => {
-            let turn = fit::principal_rotation(scene.world_spheres().map(|(center, _)| center));
+            let centers = || scene.world_spheres().map(|(center, _)| center);
+            let turn = fit::principal_rotation(centers());
+            let cell = items.iter().find_map(|item| item.cell_box);
+            let turn = match cell.filter(|_| !fit::is_flat(centers(), turn)) {
+                Some(cell) => fit::cell_rotation(cell.vectors().map(|vector| vector.as_vec3())),
+                None => turn,
+            };
             (turn, fit::PITCH_RAD)
         }
         Orientation::Along { direction, up } => {
@@ -160,133 +193,11 @@ pub(super) fn ground_under(bounds: Aabb) -> Ground {
     }
 }
 
-fn build_block(structure: &Structure, options: &SceneOptions) -> Block {
-    let positions = structure.positions().relative();
-    let atom_count = structure.atom_count();
-    let shown = shown_atoms(structure, options.altloc);
-    let is_shown = |atom: u32| shown.as_ref().is_none_or(|shown| shown[atom as usize]);
-    let colors = options.color_by.colors(structure);
-    let neighbours = Neighbours::new(atom_count, structure.bonds(), |bond| is_shown(bond.a) && is_shown(bond.b));
-    let radius_of = |atom: u32| {
-        let bonded = !neighbours.of(atom).is_empty();
-        let radius = options.style.atom_radius(structure.elements()[atom as usize], bonded);
-        // Lone pairs and the like are drawn small, whatever the style.
-        if structure.flags(atom as usize) & atom_flags::PARTICLE == 0 { radius } else { radius.min(0.12) }
-    };
-    let last = u32::try_from(atom_count).unwrap_or(u32::MAX);
-    let spheres: Vec<SphereInstance> = (0..last)
-        .into_par_iter()
-        .with_min_len(4096)
-        .filter(|&atom| is_shown(atom))
-        .map(|atom| SphereInstance {
-            center: positions[atom as usize].to_array(),
-            radius: radius_of(atom),
-            color: colors[atom as usize],
-            id: atom + 1,
-        })
-        .collect();
-    let cylinders: Vec<CylinderInstance> = structure
-        .bonds()
-        .par_iter()
-        .enumerate()
-        .with_min_len(4096)
-        .filter(|(_, bond)| is_shown(bond.a) && is_shown(bond.b))
-        .flat_map_iter(|(index, bond)| {
-            let mut sticks = Vec::new();
-            if let Some(stick_radius) = options.style.stick_radius(bond.kind) {
-                let round_ends = options.style != Style::BallAndStick;
-                let ball_radius: &dyn Fn(u32) -> f32 = &radius_of;
-                let context = StickContext {
-                    positions,
-                    neighbours: &neighbours,
-                    ball_radius,
-                    stick_radius,
-                    multiple_radius: stick_radius.min(options.style.multiple_radius()),
-                    round_ends,
-                };
-                let template = CylinderInstance {
-                    id: last.saturating_add(u32::try_from(index + 1).unwrap_or(u32::MAX)),
-                    color_a: colors[bond.a as usize],
-                    color_b: colors[bond.b as usize],
-                    ..bytemuck::Zeroable::zeroed()
-                };
-                context.sticks(bond, template, |stick| sticks.push(stick));
-            }
-            sticks
-        })
-        .collect();
-    let id_count = last.saturating_add(u32::try_from(structure.bonds().len()).unwrap_or(u32::MAX));
-    Block { spheres, cylinders, id_count }
-}
-
-/// Which atoms are drawn; `None` for all of them.
-fn shown_atoms(structure: &Structure, choice: AltlocChoice) -> Option<Vec<bool>> {
-    if choice == AltlocChoice::All || !structure.has_altlocs() {
-        return None;
-    }
-    // One alternate a residue position: mixing them atom by atom would join halves of different conformers.
-    let site = |atom: usize| {
-        structure.residue_index(atom).map(|index| {
-            let residue = structure.residues()[index];
-            (residue.chain, residue.number, residue.insertion_code)
-        })
-    };
-    let mut occupancy: HashMap<_, Vec<(u8, f64)>> = HashMap::new();
-    for atom in (0..structure.atom_count()).filter(|&atom| structure.altloc(atom) != b' ') {
-        let codes = occupancy.entry(site(atom)).or_default();
-        let code = structure.altloc(atom);
-        let weight = f64::from(structure.occupancy(atom));
-        match codes.iter_mut().find(|(other, _)| *other == code) {
-            Some((_, sum)) => *sum += weight,
-            None => codes.push((code, weight)),
-        }
-    }
-    let chosen: HashMap<_, u8> = occupancy
-        .into_iter()
-        .map(|(site, mut codes)| {
-            codes.sort_by(|(code_a, sum_a), (code_b, sum_b)| sum_b.total_cmp(sum_a).then(code_a.cmp(code_b)));
-            let wanted = codes.iter().map(|&(code, _)| code).find(|&code| choice == AltlocChoice::Code(code));
-            (site, wanted.unwrap_or(codes[0].0))
-        })
-        .collect();
-    let shown =
-        |atom: usize| structure.altloc(atom) == b' ' || chosen.get(&site(atom)) == Some(&structure.altloc(atom));
-    Some((0..structure.atom_count()).map(shown).collect())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::element::Element;
     use crate::structure::{AtomRecord, Bond, BondOrder, BondSource, Diagnostics, StructureBuilder};
-
-    fn altloc_structure() -> Structure {
-        let mut builder = StructureBuilder::new();
-        let residue = Some(("A", 7, b' ', "SER"));
-        for (name, altloc, occupancy) in
-            [("CA", b' ', 1.0), ("CB", b'A', 0.4), ("CB", b'B', 0.6), ("OG", b'A', 0.4), ("OG", b'B', 0.6)]
-        {
-            builder.push_atom(&AtomRecord {
-                element: Element::C,
-                name,
-                altloc,
-                occupancy,
-                residue,
-                ..AtomRecord::default()
-            });
-        }
-        builder.build(&mut Diagnostics::default())
-    }
-
-    #[test]
-    fn one_alternate_location_is_drawn() {
-        let structure = altloc_structure();
-        let shown = |choice| shown_atoms(&structure, choice).unwrap();
-        assert_eq!(shown(AltlocChoice::Highest), [true, false, true, false, true]);
-        assert_eq!(shown(AltlocChoice::Code(b'A')), [true, true, false, true, false]);
-        assert_eq!(shown(AltlocChoice::Code(b'Z')), [true, false, true, false, true]);
-        assert_eq!(shown_atoms(&structure, AltlocChoice::All), None);
-    }
 
     #[test]
     fn ids_are_atoms_then_bonds_and_bare_atoms_are_visible_in_every_style() {

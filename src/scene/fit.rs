@@ -4,6 +4,7 @@
 //! 17°, everything in the picture with a small margin. Axes are those of the covariance of the atom positions.
 
 use super::camera::{Camera, Projection};
+use crate::math::direction_or;
 use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
 
 /// How far the default camera looks down, radians: 17°.
@@ -53,6 +54,30 @@ pub fn principal_rotation(points: impl Iterator<Item = Vec3> + Clone) -> Quat {
     let world_from_block = DMat3::from_cols(axes[0], axes[1], axes[2]).transpose();
     Quat::from_mat3(&Mat3::from_cols_array(&world_from_block.to_cols_array().map(|x| x as f32))).normalize()
 }
+
+/// Whether points turned so are a sheet: thinner than a quarter of their second extent.
+#[must_use]
+pub fn is_flat(points: impl Iterator<Item = Vec3>, turn: Quat) -> bool {
+    let (low, high) = points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), point| {
+        let point = turn * point;
+        (low.min(point), high.max(point))
+    });
+    high.z - low.z < 0.25 * (high.y - low.y)
+}
+
+/// The rotation that turns a cell so that **c** is up and **a** comes to the viewer, less 25° to the left, so that
+/// rows of atoms do not hide one another.
+#[must_use]
+pub fn cell_rotation([a, b, c]: [Vec3; 3]) -> Quat {
+    let up = direction_or(c, Vec3::Y);
+    // Perpendicular to the bc face, on the side of **a**, whichever hand the vectors are of.
+    let back = direction_or(b.cross(c) * b.cross(c).dot(a).signum(), up.any_orthonormal_vector());
+    let world_from_cell = Mat3::from_cols(up.cross(back), up, back).transpose();
+    (Quat::from_rotation_y(-YAW_RAD) * Quat::from_mat3(&world_from_cell)).normalize()
+}
+
+/// How far a drawn cell is turned from its face, radians: 25°.
+const YAW_RAD: f32 = 0.436_332;
 
 /// Eigenvalues and unit eigenvectors of a symmetric matrix, by cyclic Jacobi rotations.
 fn eigen_symmetric(matrix: DMat3) -> ([f64; 3], [DVec3; 3]) {
@@ -172,6 +197,18 @@ mod tests {
         let tilted: Vec<Vec3> = points.iter().map(|&p| tilt * p + Vec3::splat(50.0)).collect();
         let size = extent(&tilted, principal_rotation(tilted.iter().copied()));
         assert!((size - Vec3::new(18.0, 8.0, 2.0)).abs().max_element() < 0.7, "{size}");
+    }
+
+    #[test]
+    fn a_cell_stands_on_its_base_with_a_to_the_viewer() {
+        let turn = cell_rotation([Vec3::new(3.0, 0.0, 0.0), Vec3::new(-1.5, 2.6, 0.0), Vec3::new(0.0, 0.0, 5.0)]);
+        assert!((turn * Vec3::Z - Vec3::Y).length() < 1e-6);
+        let a = turn * Vec3::X;
+        assert!(a.z > 0.7 && a.y.abs() < 1e-6, "{a}");
+        let left_handed = cell_rotation([Vec3::NEG_X, Vec3::Y, Vec3::Z]);
+        assert!((left_handed * Vec3::NEG_X).z > 0.9 && left_handed.is_normalized());
+        assert!(is_flat([Vec3::ZERO, Vec3::X * 9.0, Vec3::Y * 9.0, Vec3::Z].into_iter(), Quat::IDENTITY));
+        assert!(!is_flat([Vec3::ZERO, Vec3::X * 9.0, Vec3::Y * 3.0, Vec3::Z].into_iter(), Quat::IDENTITY));
     }
 
     #[test]

@@ -3,10 +3,14 @@
 //! A [`Scene`] is blocks of primitives × placements (rigid transforms), so that assemblies, symmetry mates and
 //! supercells draw one copy many times; a plain molecule is one block placed once. Nothing here knows how it is drawn.
 
+mod block;
 mod build;
 mod camera;
+mod cell_box;
 mod coloring;
+mod dashes;
 pub mod fit;
+mod haptic;
 mod instances;
 mod light;
 mod sticks;
@@ -129,10 +133,21 @@ impl Scene {
         })
     }
 
+    /// What has to be in the picture: all spheres, and the ends of sticks in blocks that are nothing but sticks.
+    fn world_extent(&self) -> impl Iterator<Item = (Vec3, f32)> + Clone {
+        let bare = |placement: &&Placement| self.blocks[placement.block].spheres.is_empty();
+        let ends = self.placements.iter().filter(bare).flat_map(|placement| {
+            self.blocks[placement.block].cylinders.iter().flat_map(|stick| {
+                [stick.a, stick.b].map(|end| (placement.world_from_block.transform_point3(end.into()), stick.radius))
+            })
+        });
+        self.world_spheres().chain(ends)
+    }
+
     /// The default camera for a picture of this shape (width / height): everything in it, the broadest side to the viewer.
     #[must_use]
     pub fn fitted_camera(&self, aspect: f32) -> Camera {
-        fit::frame(self.world_spheres(), self.world_from_view, self.perspective, aspect)
+        fit::frame(self.world_extent(), self.world_from_view, self.perspective, aspect)
     }
 
     /// Puts a ground under the scene, or takes it away.

@@ -67,7 +67,7 @@ pub(super) struct StickContext<'a> {
     pub(super) positions: &'a [Vec3],
     pub(super) neighbours: &'a Neighbours,
     /// Radius of the balls in ångström.
-    pub(super) ball_radius: &'a dyn Fn(u32) -> f32,
+    pub(super) ball_radius: &'a (dyn Fn(u32) -> f32 + Sync),
     /// Radius of a single stick in ångström.
     pub(super) stick_radius: f32,
     /// Radius that the sticks of a multiple bond are proportioned by, in ångström.
@@ -77,9 +77,15 @@ pub(super) struct StickContext<'a> {
 }
 
 impl StickContext<'_> {
-    /// The sticks of a bond, written through `push`; a bond of zero length has none.
-    pub(super) fn sticks(&self, bond: &Bond, template: CylinderInstance, mut push: impl FnMut(CylinderInstance)) {
-        let (a, b) = (self.positions[bond.a as usize], self.positions[bond.b as usize]);
+    /// The sticks of a bond whose far end is at `b`, written through `push`; a bond of zero length has none.
+    pub(super) fn sticks(
+        &self,
+        bond: &Bond,
+        b: Vec3,
+        template: CylinderInstance,
+        mut push: impl FnMut(CylinderInstance),
+    ) {
+        let a = self.positions[bond.a as usize];
         let axis = b - a;
         let length = axis.length();
         if length.is_nan() || length < 1e-6 {
@@ -87,7 +93,9 @@ impl StickContext<'_> {
         }
         let axis = axis / length;
         let single = Strand { offset: Vec3::ZERO, radius: self.stick_radius, shortened: 0.0 };
-        let (strands, count) = self.strands(bond, axis, single);
+        // Of a bond that goes to an image no ring is known.
+        let is_there = b == self.positions[bond.b as usize];
+        let (strands, count) = self.strands(bond, axis, single, is_there);
         for strand in &strands[..count] {
             // Hidden in both balls by the same length, so that the colours meet in the middle of the bond.
             let reach = strand.offset.length() + strand.radius;
@@ -110,7 +118,7 @@ impl StickContext<'_> {
         }
     }
 
-    fn strands(&self, bond: &Bond, axis: Vec3, single: Strand) -> ([Strand; 4], usize) {
+    fn strands(&self, bond: &Bond, axis: Vec3, single: Strand, is_there: bool) -> ([Strand; 4], usize) {
         let r = self.multiple_radius;
         let multiple = bond.aromatic || bond.order >= BondOrder::Double;
         if bond.kind != BondKind::Covalent || !multiple {
@@ -130,7 +138,7 @@ impl StickContext<'_> {
                     |u: f32, v: f32| Strand { offset: (side * u + other * v) * gap, radius: thin, shortened: 0.0 };
                 ([corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)], 4)
             }
-            _ => match self.ring_center(bond) {
+            _ => match self.ring_center(bond).filter(|_| is_there) {
                 Some(center) => {
                     let middle = (self.positions[bond.a as usize] + self.positions[bond.b as usize]) * 0.5;
                     let inward = center - middle;
@@ -228,7 +236,8 @@ mod tests {
             round_ends: false,
         };
         let mut sticks = Vec::new();
-        context.sticks(&bonds[which], bytemuck::Zeroable::zeroed(), |stick| sticks.push(stick));
+        let end = positions[bonds[which].b as usize];
+        context.sticks(&bonds[which], end, bytemuck::Zeroable::zeroed(), |stick| sticks.push(stick));
         sticks
     }
 

@@ -1,0 +1,300 @@
+//! The balls and sticks of one structure: which atoms are drawn, how large, and what their bonds look like.
+
+use super::dashes::{dashes, is_dashed};
+use super::haptic;
+use super::instances::{Cap, CylinderInstance, SphereInstance};
+use super::sticks::{Neighbours, StickContext};
+use super::{AltlocChoice, Block, Item, SceneOptions, Style};
+use crate::color::Srgb8;
+use crate::crystal::Stub;
+use crate::structure::{Bond, BondKind, Structure, atom_flags};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+pub(super) fn build(item: &Item<'_>, options: &SceneOptions) -> Block {
+    let structure = item.structure;
+    let positions = structure.positions().relative();
+    let atom_count = structure.atom_count();
+    let shown = shown_atoms(structure, options.altloc);
+    let is_shown = |atom: u32| shown.as_ref().is_none_or(|shown| shown[atom as usize]);
+    // Where nothing repeats in the picture, a bond to an image has no end.
+    let is_drawn = |bond: &Bond| !bond.is_periodic() && is_shown(bond.a) && is_shown(bond.b);
+    let colors = options.color_by.colors(structure);
+    let neighbours = Neighbours::new(atom_count, structure.bonds(), is_drawn);
+    let stubs: Vec<&Stub> = item.stubs.iter().filter(|stub| is_drawn(&stub.bond)).collect();
+    let mut has_stub = vec![false; if stubs.is_empty() { 0 } else { atom_count }];
+    for stub in &stubs {
+        has_stub[stub.bond.a as usize] = true;
+    }
+    let radius_of = |atom: u32| {
+        let bonded = !neighbours.of(atom).is_empty() || has_stub.get(atom as usize).is_some_and(|&has| has);
+        let radius = options.style.atom_radius(structure.elements()[atom as usize], bonded);
+        // Lone pairs and the like are drawn small, whatever the style.
+        if structure.flags(atom as usize) & atom_flags::PARTICLE == 0 { radius } else { radius.min(0.12) }
+    };
+    let last = u32::try_from(atom_count).unwrap_or(u32::MAX);
+    let spheres: Vec<SphereInstance> = (0..last)
+        .into_par_iter()
+        .with_min_len(4096)
+        .filter(|&atom| is_shown(atom))
+        .map(|atom| SphereInstance {
+            center: positions[atom as usize].to_array(),
+            radius: radius_of(atom),
+            color: colors[atom as usize],
+            id: atom + 1,
+        })
+        .collect();
+    let artist = Artist {
+        style: options.style,
+        positions,
+        colors: &colors,
+        neighbours: &neighbours,
+        ball_radius: &radius_of,
+        lattice: item.lattice,
+    };
+    let groups = if options.haptic { haptic::groups(structure, positions, &neighbours, is_drawn) } else { Vec::new() };
+    let in_group: std::collections::HashSet<u32> =
+        groups.iter().flat_map(|group| group.bonds.iter().copied()).collect();
+    let id_of_bond = |index: u32| last.saturating_add(index).saturating_add(1);
+    let mut cylinders: Vec<CylinderInstance> = (structure.bonds().par_iter().enumerate())
+        .with_min_len(4096)
+        .filter(|(index, bond)| is_drawn(bond) && !in_group.contains(&(*index as u32)))
+        .flat_map_iter(|(index, bond)| {
+            let mut sticks = Vec::new();
+            artist.bond(bond, id_of_bond(index as u32), |stick| sticks.push(stick));
+            sticks
+        })
+        .collect();
+    for group in &groups {
+        artist.haptic(group, id_of_bond(group.bonds[0]), |stick| cylinders.push(stick));
+    }
+    let bond_count = u32::try_from(structure.bonds().len()).unwrap_or(u32::MAX);
+    for (index, stub) in stubs.iter().enumerate() {
+        artist.stub(stub, id_of_bond(bond_count.saturating_add(index as u32)), |stick| cylinders.push(stick));
+    }
+    let id_count = last.saturating_add(bond_count).saturating_add(u32::try_from(stubs.len()).unwrap_or(u32::MAX));
+    Block { spheres, cylinders, id_count }
+}
+
+/// Draws bonds.
+struct Artist<'a> {
+    style: Style,
+    positions: &'a [Vec3],
+    colors: &'a [Srgb8],
+    neighbours: &'a Neighbours,
+    ball_radius: &'a (dyn Fn(u32) -> f32 + Sync),
+    /// The atoms of lattices that coordination alone holds together; empty if there are none.
+    lattice: &'a [bool],
+}
+
+impl Artist<'_> {
+    fn bond(&self, bond: &Bond, id: u32, push: impl FnMut(CylinderInstance)) {
+        self.between(bond, self.positions[bond.b as usize], id, push);
+    }
+
+    /// The sticks of a bond whose far end is at `end`.
+    fn between(&self, bond: &Bond, end: Vec3, id: u32, push: impl FnMut(CylinderInstance)) {
+        let is_lattice = |atom: u32| self.lattice.get(atom as usize).is_some_and(|&is| is);
+        let is_solid = !is_dashed(bond.kind) || (is_lattice(bond.a) && is_lattice(bond.b));
+        let kind = if is_solid { BondKind::Covalent } else { bond.kind };
+        let Some(stick_radius) = self.style.stick_radius(kind) else { return };
+        let template = CylinderInstance {
+            id,
+            radius: stick_radius,
+            color_a: self.colors[bond.a as usize],
+            color_b: self.colors[bond.b as usize],
+            ..bytemuck::Zeroable::zeroed()
+        };
+        if !is_solid {
+            self.dashed(self.positions[bond.a as usize], bond.a, end, Some(bond.b), template, push);
+            return;
+        }
+        let context = StickContext {
+            positions: self.positions,
+            neighbours: self.neighbours,
+            ball_radius: self.ball_radius,
+            stick_radius,
+            multiple_radius: stick_radius.min(self.style.multiple_radius()),
+            round_ends: self.style != Style::BallAndStick,
+        };
+        context.sticks(bond, end, template, push);
+    }
+
+    /// Dashes between the surfaces of two balls, the second one where there is one.
+    fn dashed(
+        &self,
+        from: Vec3,
+        atom: u32,
+        to: Vec3,
+        other: Option<u32>,
+        template: CylinderInstance,
+        push: impl FnMut(CylinderInstance),
+    ) {
+        let way = to - from;
+        let length = way.length();
+        let hidden = |atom: u32| {
+            let radius = (self.ball_radius)(atom);
+            (radius * radius - template.radius * template.radius).max(0.0).sqrt()
+        };
+        let (start, end) = (hidden(atom), other.map_or(0.0, hidden));
+        if length > start + end {
+            dashes(from + way * (start / length), to - way * (end / length), template, push);
+        }
+    }
+
+    /// A bond that ends at a face of the cell.
+    fn stub(&self, stub: &Stub, id: u32, mut push: impl FnMut(CylinderInstance)) {
+        let start = self.positions[stub.bond.a as usize];
+        let vector = stub.vector.as_vec3();
+        let length = vector.length();
+        let along = vector / length.max(1e-6);
+        let face = stub.part as f32 * length;
+        self.between(&stub.bond, start + vector, id, |stick| {
+            let [from, to] = [stick.a, stick.b].map(|p| (Vec3::from(p) - start).dot(along));
+            if from >= face {
+                return;
+            }
+            if to <= face {
+                push(stick);
+                return;
+            }
+            // Two pieces where the face is beyond the middle, in which the colours meet.
+            let middle = 0.5 * (from + to);
+            let point = |at: f32| (Vec3::from(stick.a) + along * (at - from)).to_array();
+            let caps = CylinderInstance::pack_caps(Cap::Flat, Cap::Flat);
+            push(CylinderInstance { b: point(face.min(middle)), color_b: stick.color_a, caps, ..stick });
+            if face > middle {
+                push(CylinderInstance { a: point(middle), b: point(face), color_a: stick.color_b, caps, ..stick });
+            }
+        });
+    }
+
+    /// One row of dashes from a metal to the middle of what it holds.
+    fn haptic(&self, group: &haptic::Group, id: u32, push: impl FnMut(CylinderInstance)) {
+        let Some(radius) = self.style.stick_radius(BondKind::Coordination) else { return };
+        let template = CylinderInstance {
+            id,
+            radius,
+            color_a: self.colors[group.metal as usize],
+            color_b: self.colors[group.atoms[0] as usize],
+            ..bytemuck::Zeroable::zeroed()
+        };
+        self.dashed(self.positions[group.metal as usize], group.metal, group.middle, None, template, push);
+    }
+}
+
+/// Which atoms are drawn; `None` for all of them.
+fn shown_atoms(structure: &Structure, choice: AltlocChoice) -> Option<Vec<bool>> {
+    if choice == AltlocChoice::All || !structure.has_altlocs() {
+        return None;
+    }
+    // One alternate a residue position: mixing them atom by atom would join halves of different conformers.
+    let site = |atom: usize| {
+        structure.residue_index(atom).map(|index| {
+            let residue = structure.residues()[index];
+            (residue.chain, residue.number, residue.insertion_code)
+        })
+    };
+    let mut occupancy: HashMap<_, Vec<(u8, f64)>> = HashMap::new();
+    for atom in (0..structure.atom_count()).filter(|&atom| structure.altloc(atom) != b' ') {
+        let codes = occupancy.entry(site(atom)).or_default();
+        let code = structure.altloc(atom);
+        let weight = f64::from(structure.occupancy(atom));
+        match codes.iter_mut().find(|(other, _)| *other == code) {
+            Some((_, sum)) => *sum += weight,
+            None => codes.push((code, weight)),
+        }
+    }
+    let chosen: HashMap<_, u8> = occupancy
+        .into_iter()
+        .map(|(site, mut codes)| {
+            codes.sort_by(|(code_a, sum_a), (code_b, sum_b)| sum_b.total_cmp(sum_a).then(code_a.cmp(code_b)));
+            let wanted = codes.iter().map(|&(code, _)| code).find(|&code| choice == AltlocChoice::Code(code));
+            (site, wanted.unwrap_or(codes[0].0))
+        })
+        .collect();
+    let shown =
+        |atom: usize| structure.altloc(atom) == b' ' || chosen.get(&site(atom)) == Some(&structure.altloc(atom));
+    Some((0..structure.atom_count()).map(shown).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::Element;
+    use crate::structure::{AtomRecord, BondOrder, BondSource, Diagnostics, StructureBuilder};
+    use glam::DVec3;
+
+    fn altloc_structure() -> Structure {
+        let mut builder = StructureBuilder::new();
+        let residue = Some(("A", 7, b' ', "SER"));
+        for (name, altloc, occupancy) in
+            [("CA", b' ', 1.0), ("CB", b'A', 0.4), ("CB", b'B', 0.6), ("OG", b'A', 0.4), ("OG", b'B', 0.6)]
+        {
+            builder.push_atom(&AtomRecord {
+                element: Element::C,
+                name,
+                altloc,
+                occupancy,
+                residue,
+                ..AtomRecord::default()
+            });
+        }
+        builder.build(&mut Diagnostics::default())
+    }
+
+    #[test]
+    fn one_alternate_location_is_drawn() {
+        let structure = altloc_structure();
+        let shown = |choice| shown_atoms(&structure, choice).unwrap();
+        assert_eq!(shown(AltlocChoice::Highest), [true, false, true, false, true]);
+        assert_eq!(shown(AltlocChoice::Code(b'A')), [true, true, false, true, false]);
+        assert_eq!(shown(AltlocChoice::Code(b'Z')), [true, false, true, false, true]);
+        assert_eq!(shown_atoms(&structure, AltlocChoice::All), None);
+    }
+
+    fn pair(kind: BondKind) -> Structure {
+        let mut builder = StructureBuilder::new();
+        for (symbol, x) in [("Fe", 0.0), ("N", 2.0)] {
+            let element = Element::from_symbol(symbol).unwrap();
+            builder.push_atom(&AtomRecord { element, position: DVec3::new(x, 0.0, 0.0), ..AtomRecord::default() });
+        }
+        builder.push_bond(Bond { kind, ..Bond::new(0, 1, BondOrder::Single, BondSource::File) });
+        builder.build(&mut Diagnostics::default())
+    }
+
+    #[test]
+    fn what_is_no_shared_pair_is_dashed_between_the_balls() {
+        let options = SceneOptions::default();
+        for (kind, is_row) in [
+            (BondKind::Covalent, false),
+            (BondKind::Coordination, true),
+            (BondKind::Dative, true),
+            (BondKind::Hydrogen, true),
+        ] {
+            let structure = pair(kind);
+            let block = build(&Item::of(&structure), &options);
+            assert_eq!(block.cylinders.len() > 1, is_row, "{kind:?}");
+            assert!(block.cylinders.iter().all(|stick| stick.id == 3 && stick.a[0] > 0.1 && stick.b[0] < 1.9));
+        }
+    }
+
+    #[test]
+    fn a_stub_ends_at_the_face_with_the_colours_of_its_bond() {
+        let structure = pair(BondKind::Covalent).with_bonds(Vec::new());
+        let bond = Bond::new(0, 1, BondOrder::Single, BondSource::Distance);
+        for (part, pieces) in [(0.3, 1), (0.8, 2)] {
+            let stubs = [Stub { bond, vector: DVec3::new(0.0, 2.0, 0.0), part }];
+            let item = Item { stubs: &stubs, ..Item::of(&structure) };
+            let block = build(&item, &SceneOptions::default());
+            assert_eq!(block.cylinders.len(), pieces);
+            assert!((block.cylinders[pieces - 1].b[1] - 2.0 * part as f32).abs() < 1e-5);
+            assert_eq!(
+                (block.cylinders[0].color_a, block.cylinders[0].color_b),
+                (block.spheres[0].color, block.spheres[0].color)
+            );
+            assert!(block.cylinders.iter().all(|stick| stick.id == 3));
+        }
+    }
+}
