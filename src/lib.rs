@@ -25,7 +25,7 @@
 //! # One way through the code
 //!
 //! ```text
-//! bytes ──import──▶ Structure ──bonds──▶ Structure+bonds ──scene──▶ Scene (primitives, camera, lights, ground)
+//! bytes ──import──▶ Structure ──bonds, crystal──▶ what is drawn ──scene──▶ Scene (primitives, camera, lights, ground)
 //!                                                                     │ the same instance bytes
 //!                                                    render::cpu ◀────┴────▶ render::gpu
 //!                                                         └──────▶ Image / window ◀┘
@@ -38,6 +38,7 @@
 //! | [`math`], [`color`], [`element`], [`error`] | geometry, the only sRGB conversion, the element table, errors by whose fault they are |
 //! | [`structure`] | the molecular model: structure of arrays, immutable once built |
 //! | [`import`], [`bonds`] | bytes to structures, never guessing a bond; structures to bonds, never reading a file |
+//! | [`crystal`] | which copies of a periodic structure's atoms are drawn: whole molecules, cells, supercells |
 //! | [`scene`] | blocks of primitives × placements, styles, colours, camera, light, ground; knows no renderer |
 //! | [`render`] | the definition of the picture ([`render::frame`]), the CPU renderer, the wgpu renderer, and the choice between them |
 //! | [`export`] | picture files, structure files, atomic writes |

@@ -465,3 +465,28 @@ fn records_side_by_side_stand_in_the_order_of_the_file() {
         assert!(places.is_sorted_by(|a, b| a < b), "records {row:?} stand at {places:?}");
     }
 }
+
+/// Diamond, one cell.
+const DIAMOND: &str = "8\nLattice=\"3.567 0 0 0 3.567 0 0 0 3.567\" Properties=species:S:1:pos:R:3\n\
+C 0 0 0\nC 0 1.7835 1.7835\nC 1.7835 0 1.7835\nC 1.7835 1.7835 0\n\
+C 0.89175 0.89175 0.89175\nC 0.89175 2.67525 2.67525\nC 2.67525 0.89175 2.67525\nC 2.67525 2.67525 0.89175\n";
+
+#[test]
+fn crystals_are_drawn_as_asked_and_listed_as_they_are() {
+    let case = Case::new(&[("diamond.xyz", DIAMOND), ("water.xyz", "3\n\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n")]);
+    let drawn = |flags: &[&str]| {
+        let arguments = ["render", "diamond.xyz", "-o", "a.png", "--size", "40x30", "--renderer", "cpu", "--timings"];
+        let run = case.run(&[&arguments[..], flags].concat()).status(0);
+        let timings: serde_json::Value = serde_json::from_str(run.err().lines().last().unwrap()).unwrap();
+        (timings["atom_count"].as_u64().unwrap(), timings["bond_count"].as_u64().unwrap())
+    };
+    assert_eq!(drawn(&[]), (18, 16));
+    assert_eq!(drawn(&["--cell", "asym"]), (8, 7));
+    assert_eq!(drawn(&["--supercell", "2x1x1"]), (31, 32));
+    let run = case.run(&["info", "--json", "diamond.xyz"]).status(0);
+    let info: serde_json::Value = serde_json::from_str(run.out().trim()).unwrap();
+    assert_eq!((info["atoms"].as_u64(), info["bonds"].as_u64()), (Some(8), Some(16)));
+    let run = case.run(&["render", "water.xyz", "-o", "b.png", "--size", "9x9", "--supercell", "2x1x1"]).status(0);
+    assert!(run.err().contains("no unit cell"), "{}", run.err());
+    case.run(&["render", "diamond.xyz", "-o", "c.png", "--supercell", "0x1x1"]).status(2);
+}
