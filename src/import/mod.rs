@@ -281,9 +281,7 @@ fn read_plain(
             | Format::QcSchema
             | Format::PubChemJson
             | Format::ChemDoodleJson),
-        ) => {
-            json::read(&text, Some(format), &mut records, &mut diagnostics)?
-        }
+        ) => json::read(&text, Some(format), &mut records, &mut diagnostics)?,
         detect::Detected::Format(format @ Format::Pdb) => {
             pdb::read(&text, &mut records, &mut diagnostics)?;
             format

@@ -9,9 +9,10 @@ use super::{MOLECULE, Peekable, atom_type};
 use crate::error::{Error, Result};
 use crate::structure::{
     AtomRecord, Bond, BondKind, BondOrder, BondSource, Cell, Diagnostics, StatedBonds, Structure, StructureBuilder,
-    Symmetry, atom_flags,
+    atom_flags,
 };
 use glam::DVec3;
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 /// Reads the molecule whose first line is the next one.
@@ -29,11 +30,11 @@ pub(super) fn read(lines: &mut Peekable<'_>, records: &Records, diagnostics: &mu
 /// An atom line.
 struct Atom<'a> {
     id: i64,
-    name: &'a [u8],
+    name: Cow<'a, [u8]>,
     position: DVec3,
-    kind: &'a [u8],
+    kind: Cow<'a, [u8]>,
     /// Identifier and name of its substructure.
-    substructure: Option<(i64, &'a [u8])>,
+    substructure: Option<(i64, Cow<'a, [u8]>)>,
     charge: Option<f32>,
     line: u64,
 }
@@ -58,7 +59,6 @@ struct Molecule<'a> {
     substructures: HashMap<i64, Substructure>,
     formal_charges: Vec<(i64, i64, u64)>,
     cell: Option<Cell>,
-    symmetry: Option<Symmetry>,
     decimals: u8,
     odd: Repeated,
     bad_bond: Repeated,
@@ -120,10 +120,11 @@ impl<'a> Molecule<'a> {
 
     fn atoms(&mut self, lines: &mut Peekable<'a>, records: &Records) -> Result<()> {
         while let Some((number, line)) = lines.data() {
-            // The wrapped part of an atom line holds status bits alone.
-            let _rest = lines.joined(line);
-            let line = line.trim_ascii_end().strip_suffix(b"\\").unwrap_or(line);
-            let Some((atom, decimals)) = Atom::read(line, number) else {
+            let read = match lines.joined(line) {
+                None => Atom::read(line, number),
+                Some(joined) => Atom::read(&joined, number).map(|(atom, decimals)| (atom.into_owned(), decimals)),
+            };
+            let Some((atom, decimals)) = read else {
                 let message = format!("expected an atom (number, name, x, y, z, type), found `{}`", shown(line));
                 return Err(Error::input(number, message));
             };
@@ -229,7 +230,6 @@ impl<'a> Molecule<'a> {
         builder.set_title(lossy(self.title));
         builder.set_decimals(self.decimals);
         builder.set_cell(self.cell);
-        builder.set_symmetry(self.symmetry.take());
         builder.set_stated_bonds(StatedBonds::Complete);
         let indices = self.push_atoms(&mut builder)?;
         for &(atom, charge, line) in &self.formal_charges {
@@ -247,18 +247,18 @@ impl<'a> Molecule<'a> {
 
     /// Adds the atoms; returns their indices by number.
     fn push_atoms(&mut self, builder: &mut StructureBuilder) -> Result<HashMap<i64, u32>> {
-        let foreign = self.atoms.iter().any(|atom| atom_type::is_foreign(atom.kind));
+        let foreign = self.atoms.iter().any(|atom| atom_type::is_foreign(&atom.kind));
         let mut indices = HashMap::with_capacity(self.atoms.len());
         for atom in &self.atoms {
-            let label = atom_type::element(atom.kind, atom.name, foreign);
+            let label = atom_type::element(&atom.kind, &atom.name, foreign);
             if label.kind == LabelKind::Unknown {
                 self.unknown.note(atom.line, || {
-                    let (kind, name) = (shown(atom.kind), shown(atom.name));
+                    let (kind, name) = (shown(&atom.kind), shown(&atom.name));
                     format!("neither type `{kind}` nor name `{name}` tells the element; kept without one")
                 });
             }
-            let name = lossy(atom.name);
-            let residue = atom.substructure.map(|(id, text)| self.residue(id, text));
+            let name = lossy(&atom.name);
+            let residue = atom.substructure.as_ref().map(|(id, text)| self.residue(*id, text));
             let index = builder.push_atom(&AtomRecord {
                 element: label.element,
                 position: atom.position,
@@ -369,9 +369,24 @@ impl<'a> Atom<'a> {
         let id_of = words.next().and_then(parse_i64);
         let name_of = words.next();
         let charge = words.next().and_then(parse_f64).map(|(charge, _)| charge as f32).filter(|c| c.is_finite());
-        let substructure = id_of.map(|id| (id, name_of.unwrap_or_default()));
-        let name = if name == b"****" { b"".as_slice() } else { name };
-        let atom = Atom { id, name, position: DVec3::new(x, y, z), kind, substructure, charge, line: number };
+        let substructure = id_of.map(|id| (id, Cow::Borrowed(name_of.unwrap_or_default())));
+        let name = Cow::Borrowed(if name == b"****" { b"".as_slice() } else { name });
+        let (position, kind) = (DVec3::new(x, y, z), Cow::Borrowed(kind));
+        let atom = Atom { id, name, position, kind, substructure, charge, line: number };
         Some((atom, dx.max(dy).max(dz)))
+    }
+
+    /// The same for a line that does not stay.
+    fn into_owned(self) -> Atom<'static> {
+        let owned = |text: Cow<'_, [u8]>| Cow::Owned(text.into_owned());
+        Atom {
+            id: self.id,
+            name: owned(self.name),
+            position: self.position,
+            kind: owned(self.kind),
+            substructure: self.substructure.map(|(id, text)| (id, owned(text))),
+            charge: self.charge,
+            line: self.line,
+        }
     }
 }

@@ -224,8 +224,7 @@ impl Table {
     /// Notes that a bond names atoms that are not there.
     pub(super) fn refuse_bond(&mut self, [a, b]: [i64; 2], number: u64) {
         let count = self.builder.atom_count();
-        self.bad_bond
-            .note(number, || format!("a bond between atoms {a} and {b} of {count} cannot be; it is left out"));
+        self.bad_bond.note(number, || format!("a bond between atoms {a} and {b} of {count} cannot be; it is left out"));
     }
 
     /// Adds a bond of a type, 1 to 10.

@@ -63,7 +63,8 @@ pub(super) fn read(
             (b"COUNTS", Block::Table) => {
                 let mut count = || parse_i64(words.next()?).and_then(|count| usize::try_from(count).ok());
                 let Some(promised) = count().zip(count()) else {
-                    let message = format!("expected COUNTS with the numbers of atoms and bonds, found `{}`", shown(text));
+                    let message =
+                        format!("expected COUNTS with the numbers of atoms and bonds, found `{}`", shown(text));
                     return Err(Error::input(number, message));
                 };
                 reader.promised = Some(promised);
@@ -209,7 +210,9 @@ impl Reader<'_> {
             let number_of = || parse_i64(value);
             let understood = match key {
                 b"CHG" => number_of().and_then(|v| i8::try_from(v).ok()).map(|v| stated.formal_charge = v),
-                b"RAD" => number_of().and_then(|v| u8::try_from(v).ok()).filter(|&v| v <= 3).map(|v| stated.radical = v),
+                b"RAD" => {
+                    number_of().and_then(|v| u8::try_from(v).ok()).filter(|&v| v <= 3).map(|v| stated.radical = v)
+                }
                 // Some programs write the exact mass. The heaviest nuclide known has 295 nucleons.
                 b"MASS" => parse_f64(value)
                     .filter(|(mass, _)| (0.0..=400.0).contains(mass))
