@@ -258,13 +258,13 @@ impl<'a> Molecule<'a> {
                 });
             }
             let name = lossy(&atom.name);
-            let residue = atom.substructure.as_ref().map(|(id, text)| self.residue(*id, text));
+            let residue = atom.substructure.as_ref().and_then(|(id, text)| self.residue(*id, text));
             let index = builder.push_atom(&AtomRecord {
                 element: label.element,
                 position: atom.position,
                 name: &name,
                 serial: i32::try_from(atom.id).ok(),
-                residue: residue.as_ref().map(|(chain, number, name)| (chain.as_str(), *number, b' ', name.as_str())),
+                residue: residue.as_ref().map(|r| (r.chain.as_str(), r.number, r.insertion_code, r.name.as_str())),
                 flags: if label.particle { atom_flags::PARTICLE } else { 0 },
                 partial_charge: atom.charge.filter(|_| !self.no_charges),
                 isotope: label.isotope,
@@ -277,29 +277,40 @@ impl<'a> Molecule<'a> {
         Ok(indices)
     }
 
-    /// Chain, number and name of a substructure: of `ALA12` the number is 12; where there are no digits it is the
-    /// substructure's own.
-    fn residue(&self, id: i64, text: &[u8]) -> (String, i32, String) {
+    /// The residue of a substructure: of `ALA12` the number is 12; where there are no digits it is the
+    /// substructure's own. `None` for a substructure that has no name and stands in no section.
+    fn residue(&self, id: i64, text: &[u8]) -> Option<Named> {
         let stated = self.substructures.get(&id);
-        let chain = stated.map_or_else(String::new, |stated| stated.chain.clone());
         let text = if text == b"****" { b"".as_slice() } else { text };
+        if text.is_empty() && stated.is_none() {
+            return None;
+        }
+        let chain = stated.map_or_else(String::new, |stated| stated.chain.clone());
+        let named = |name: &[u8], number: Option<i32>, insertion_code: u8| {
+            let number = number.unwrap_or(i32::try_from(id).unwrap_or(0));
+            Some(Named { chain, number, insertion_code, name: lossy(name).into_owned() })
+        };
+        let number_of = |text: &[u8]| parse_i64(text).and_then(|number| i32::try_from(number).ok());
+        // The section knows where the name ends: `HOH2` may be residue 2 of HOH, and `SO4` is no residue 4.
+        let own = stated.map(|stated| stated.name.as_bytes()).filter(|name| !name.is_empty());
+        if let Some((name, rest)) = own.and_then(|name| Some((name, text.strip_prefix(name)?))) {
+            return match *rest {
+                [ref digits @ .., code] if code.is_ascii_alphabetic() && number_of(digits).is_some() => {
+                    named(name, number_of(digits), code)
+                }
+                _ => named(name, number_of(rest), b' '),
+            };
+        }
         let digits = text.iter().rev().take_while(|byte| byte.is_ascii_digit()).count();
         let (mut head, tail) = text.split_at(text.len() - digits);
-        let mut number = parse_i64(tail).and_then(|number| i32::try_from(number).ok());
-        // `ALA-3` is residue −3. What has digits alone, or before them (`1PE`), is a name that is not understood so.
+        let mut number = number_of(tail);
         if let (Some(value), [rest @ .., b'-']) = (number, head) {
-            (number, head) = (Some(-value), rest);
-        }
-        if let Some(name) = stated.map(|stated| stated.name.as_bytes()).filter(|name| !name.is_empty()) {
-            // The section knows where the name ends: `HOH2` may be residue 2 of HOH, and `SO4` is no residue 4.
-            if let Some(rest) = text.strip_prefix(name) {
-                let number = parse_i64(rest).and_then(|number| i32::try_from(number).ok());
-                return (chain, number.unwrap_or_else(|| fallback(id)), lossy(name).into_owned());
-            }
+            (number, head) = (Some(-value), rest); // `ALA-3`
         }
         match number {
-            Some(number) if !head.is_empty() => (chain, number, lossy(head).into_owned()),
-            _ => (chain, fallback(id), lossy(text).into_owned()),
+            Some(number) if !head.is_empty() => named(head, Some(number), b' '),
+            // Digits alone are a name.
+            _ => named(text, None, b' '),
         }
     }
 
@@ -352,9 +363,12 @@ impl<'a> Molecule<'a> {
     }
 }
 
-/// The number of a residue whose name has none.
-fn fallback(id: i64) -> i32 {
-    i32::try_from(id).unwrap_or(0)
+/// A residue.
+struct Named {
+    chain: String,
+    number: i32,
+    insertion_code: u8,
+    name: String,
 }
 
 impl<'a> Atom<'a> {
