@@ -290,7 +290,7 @@ fn wrong_command_lines_end_with_2_and_write_nothing() {
 fn unknown_extensions_are_named_with_the_known_ones() {
     let case = Case::new(&[("water.xyz", WATER)]);
     case.run(&["render", "water.xyz", "-o", "a.tiff"]).status(2).says(".tiff").says(".webp");
-    case.run(&["convert", "water.xyz", "a.docx"]).status(2).says("docx").says("json, xyz");
+    case.run(&["convert", "water.xyz", "a.docx"]).status(2).says("docx").says("json, cjson");
 }
 
 #[test]

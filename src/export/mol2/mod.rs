@@ -1,7 +1,7 @@
 //! Tripos MOL2 files.
 //!
 //! Every frame of every record becomes a molecule. SYBYL types follow from elements, bonds and aromaticity (see `types`);
-//! a bond of unknown order that is not aromatic is `un`, coordination too, aromatic ones are `ar` whatever their Kekulé order.
+//! a bond of unknown order that is not aromatic is `un` (`du` with a metal), coordination `un`, aromatic ones are `ar` whatever their Kekulé order.
 //! Residues are substructures (name and number in one, the name again in the section, with the chain); formal charges
 //! stand in UNITY_ATOM_ATTR; the cell as CRYSIN, without its space group.
 //! Atoms without a name get their element and a number; a residue without a name is `UNL`.
@@ -110,6 +110,8 @@ fn write_molecule(structure: &Structure, frame: &Frame, types: &Types, out: &mut
             (_, BondOrder::Double) => "2",
             (_, BondOrder::Triple) => "3",
             (_, BondOrder::Quadruple) => "4",
+            // `un` with a metal would be coordination.
+            (_, BondOrder::Unknown) if metals(structure, bond) == 1 => "du",
             (_, BondOrder::Unknown) => "un",
         };
         let [a, b] = [bond.a, bond.b].map(|atom| atom as usize);

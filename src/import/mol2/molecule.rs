@@ -343,8 +343,7 @@ impl<'a> Molecule<'a> {
                 }
             };
             let is_metal = |atom: u32| builder.elements()[atom as usize].is_metal();
-            let coordination = order <= BondOrder::Single && !aromatic && is_metal(first) != is_metal(second);
-            let bond = if coordination {
+            let bond = if kind == b"un" && is_metal(first) != is_metal(second) {
                 let bond = Bond::new(first, second, BondOrder::Unknown, BondSource::File);
                 Bond { kind: BondKind::Coordination, ..bond }
             } else {

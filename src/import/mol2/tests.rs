@@ -47,7 +47,7 @@ fn every_bond_type_has_its_meaning() {
         (1..=9).map(|n| format!("{n} A{n} {n} 0 0 {}", if n == 9 { "Zn" } else { "C.3" })).collect();
     let atoms: Vec<&str> = atoms.iter().map(String::as_str).collect();
     let bonds =
-        ["1 1 2 1", "2 2 3 2", "3 3 4 3", "4 4 5 am", "5 5 6 AR", "6 6 7 du", "7 7 8 un", "8 8 1 nc", "9 8 9 1"];
+        ["1 1 2 1", "2 2 3 2", "3 3 4 3", "4 4 5 am", "5 5 6 AR", "6 6 7 du", "7 7 8 un", "8 8 1 nc", "9 8 9 un"];
     let molecule = one(&mol2(&atoms, &bonds, ""));
     let got: Vec<_> = molecule.bonds().iter().map(|bond| (bond.order.number(), bond.aromatic)).collect();
     let want = [(1, false), (2, false), (3, false), (1, false), (0, true), (0, false), (0, false), (0, false)];
