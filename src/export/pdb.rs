@@ -19,7 +19,7 @@ use super::text::{
     AtomNames, Position, fits_decimals, invalid, is_standard, metals, one_line, parameters, plain_bonds,
 };
 use crate::element::Element;
-use crate::structure::{Bond, BondKind, Cell, Frame, Residue, Structure, atom_flags};
+use crate::structure::{Bond, BondKind, BondOrder, Cell, Frame, Residue, Structure, atom_flags};
 use std::collections::{HashMap, HashSet};
 use std::io::{self, Write};
 
@@ -62,6 +62,7 @@ fn limits(structure: &Structure) -> Vec<&'static str> {
         !lengths.iter().all(|&x| fits_decimals(x, 3)) || !angles.iter().all(|&x| fits_decimals(x, 2))
     };
     let fine = |value: f32| !fits_decimals(f64::from(value), 2) && (f64::from(value) * 100.0).fract().abs() > 1e-4;
+    let no_order = |bond: &Bond| bond.kind == BondKind::Covalent && bond.order == BondOrder::Unknown;
     let to_metal = |bond: &Bond| bond.kind == BondKind::Covalent && metals(structure, bond) == 1;
     let found = [
         (
@@ -439,9 +440,7 @@ fn is_standard_residue(residue: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::structure::{
-        AtomRecord, BondOrder, BondSource, Diagnostics, SecondaryElement, StructureBuilder, Symmetry,
-    };
+    use crate::structure::{AtomRecord, BondSource, Diagnostics, SecondaryElement, StructureBuilder, Symmetry};
     use glam::DVec3;
 
     fn text(records: &[Structure]) -> String {
