@@ -12,8 +12,14 @@ use std::hint::black_box;
 type Writer = (&'static str, fn(usize) -> String);
 
 fn import(c: &mut Criterion) {
-    let formats: [Writer; 4] =
-        [("pdb", common::pdb), ("xyz", common::xyz), ("sdf", common::sdf), ("json", common::json)];
+    let formats: [Writer; 6] = [
+        ("pdb", common::pdb),
+        ("xyz", common::xyz),
+        ("sdf", common::sdf),
+        ("sdf-v3000", common::v3000),
+        ("mol2", common::mol2),
+        ("json", common::json),
+    ];
     let options = ImportOptions::default();
     for (name, write) in formats {
         let mut group = c.benchmark_group(format!("import_{name}"));

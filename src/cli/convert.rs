@@ -1,11 +1,12 @@
 //! `ballstick convert`: a structure in another format.
 
 use super::args::ConvertArgs;
-use super::load::{pick, read, with_bonds};
+use super::load::{pick, read_as, with_bonds};
 use super::report::Report;
 use crate::error::Result;
 use crate::export::atomic;
 use crate::export::formats::StructureFormat;
+use crate::import::Format;
 use crate::structure::Structure;
 
 /// An error is one of usage.
@@ -16,24 +17,30 @@ pub(super) fn run(args: &ConvertArgs, report: &mut Report) -> Result<(), String>
         None => StructureFormat::from_path(&args.output),
     };
     let format = format.map_err(|error| error.to_string())?;
+    let from = match &args.from {
+        None => None,
+        Some(name) => Some(Format::from_name(name).ok_or_else(|| {
+            let names: Vec<&str> = Format::ALL.iter().map(|format| format.name()).collect();
+            format!("--from {name} is no format that is read; they are {}", names.join(", "))
+        })?),
+    };
     report.start(1);
-    match super::guarded(|| convert(args, format, report)) {
+    match super::guarded(|| convert(args, from, format, report)) {
         Err(error) if !atomic::is_broken_pipe(&error) => report.fail(&args.input, &error),
         _ => {}
     }
     Ok(())
 }
 
-fn convert(args: &ConvertArgs, format: &StructureFormat, report: &Report) -> Result<()> {
-    let mut records: Vec<Structure> = pick(read(&args.input, report)?, &args.select)?;
-    let left_out = format.losses(&records);
+fn convert(args: &ConvertArgs, from: Option<Format>, format: &StructureFormat, report: &Report) -> Result<()> {
+    let mut records: Vec<Structure> = pick(read_as(&args.input, from, report)?, &args.select)?;
     if format.holds_bonds() {
-        if !format.all_frames {
-            records.truncate(1);
-        }
-        records = records.into_iter().map(|record| with_bonds(record, args.bonds)).collect();
+        // Those that are not written need none.
+        let written = if format.all_frames { records.len() } else { 1 };
+        let bonded = |(index, record)| if index < written { with_bonds(record, args.bonds) } else { record };
+        records = records.into_iter().enumerate().map(bonded).collect();
     }
-    for loss in left_out {
+    for loss in format.losses(&records) {
         report.warn(&args.input, &loss);
     }
     atomic::write(&args.output, |out| (format.write)(&records, out))

@@ -2,7 +2,7 @@
 //!
 //! Where a new test goes: what one module does is tested beside its code; what several do together here, by topic.
 //! `layering` the order of the modules and the size of files; `corpus` real files with independent truth; `bad_input` truncated
-//! and corrupted ones; `golden` small pictures, one idea each; `parity` CPU against GPU; `shaders` WGSL without a GPU; `cli` the program
+//! and corrupted ones; `roundtrip` written and read again; `schema` our JSON and its schema; `golden` small pictures, one idea each; `parity` CPU against GPU; `shaders` WGSL without a GPU; `cli` the program
 //! as a user runs it; `window` the window under a virtual display.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
@@ -14,7 +14,9 @@ mod golden;
 mod layering;
 #[cfg(feature = "gpu")]
 mod parity;
+mod roundtrip;
 mod scenes;
+mod schema;
 #[cfg(feature = "gpu")]
 mod shaders;
 #[cfg(feature = "window")]
