@@ -9,6 +9,7 @@
 //!
 //! Limits: the whole file is held in memory while it is read.
 
+mod cif;
 mod collect;
 mod decompress;
 mod detect;
@@ -76,6 +77,10 @@ pub enum Format {
     Xyz,
     /// MDL MOL and SD files, V2000.
     Sdf,
+    /// CIF of macromolecules and ligands (PDBx/mmCIF).
+    Mmcif,
+    /// CIF of small molecules and crystals.
+    Cif,
     /// Our own JSON.
     BallstickJson,
     /// Chemical JSON (Avogadro).
@@ -86,8 +91,16 @@ pub enum Format {
 
 impl Format {
     /// All formats.
-    pub const ALL: [Format; 6] =
-        [Format::Pdb, Format::Xyz, Format::Sdf, Format::BallstickJson, Format::ChemicalJson, Format::ImoleculeJson];
+    pub const ALL: [Format; 8] = [
+        Format::Pdb,
+        Format::Xyz,
+        Format::Sdf,
+        Format::Mmcif,
+        Format::Cif,
+        Format::BallstickJson,
+        Format::ChemicalJson,
+        Format::ImoleculeJson,
+    ];
 
     /// The name on the command line and in `info --json`.
     #[must_use]
@@ -96,6 +109,8 @@ impl Format {
             Format::Pdb => "pdb",
             Format::Xyz => "xyz",
             Format::Sdf => "sdf",
+            Format::Mmcif => "mmcif",
+            Format::Cif => "cif",
             Format::BallstickJson => "json",
             Format::ChemicalJson => "cjson",
             Format::ImoleculeJson => "imolecule",
@@ -120,6 +135,8 @@ impl Format {
             }
             "extxyz" | "exyz" => Some(Format::Xyz),
             "mol" | "sd" | "mdl" => Some(Format::Sdf),
+            // Magnetic structures.
+            "mcif" => Some(Format::Cif),
             _ => Format::ALL.into_iter().find(|format| format.name() == name),
         }
     }
@@ -247,6 +264,7 @@ fn read_plain(
             xyz::read(&text, &mut records, &mut diagnostics)?;
             format
         }
+        detect::Detected::Format(Format::Mmcif | Format::Cif) => cif::read(&text, &mut records, &mut diagnostics)?,
         detect::Detected::Format(format @ Format::Sdf) => {
             sdf::read(&text, &mut records, &mut diagnostics)?;
             format
