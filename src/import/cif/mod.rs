@@ -37,7 +37,7 @@ use super::{Format, Limits};
 use crate::error::{Error, Result};
 use crate::structure::Diagnostics;
 use atoms::AtomSites;
-use table::Category;
+use table::{Block, Category};
 use text::{TextBlock, TextTable, split_name};
 use token::{Token, Tokens};
 
@@ -240,7 +240,11 @@ impl<'a> Reader<'a> {
     }
 
     fn finish_block(&mut self, records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
-        let sites = std::mem::replace(&mut self.sites, AtomSites::new(records.limits()));
+        let mut sites = std::mem::replace(&mut self.sites, AtomSites::new(records.limits()));
+        // A single atom may be given as items, without a loop.
+        if let Some(table) = self.block.table(Category::AtomSite).filter(|_| sites.is_empty()) {
+            sites = AtomSites::from_table(&table, records.limits())?;
+        }
         let fractional = sites.fractional;
         let before = records.len();
         let result = block::finish(&self.block, sites, records, diagnostics);
