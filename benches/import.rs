@@ -12,8 +12,9 @@ use std::hint::black_box;
 type Writer = (&'static str, fn(usize) -> String);
 
 fn import(c: &mut Criterion) {
-    let formats: [Writer; 6] = [
+    let formats: [Writer; 7] = [
         ("pdb", common::pdb),
+        ("cif", common::cif),
         ("xyz", common::xyz),
         ("sdf", common::sdf),
         ("sdf-v3000", common::v3000),

@@ -13,6 +13,7 @@ use std::path::Path;
 pub static FORMATS: &[&StructureFormat] = &[
     &super::json::FORMAT,
     &super::cjson::FORMAT,
+    &super::mmcif::FORMAT,
     &super::mol2::FORMAT,
     &super::pdb::FORMAT,
     &super::sdf::FORMAT,

@@ -62,7 +62,6 @@ fn limits(structure: &Structure) -> Vec<&'static str> {
         !lengths.iter().all(|&x| fits_decimals(x, 3)) || !angles.iter().all(|&x| fits_decimals(x, 2))
     };
     let fine = |value: f32| !fits_decimals(f64::from(value), 2) && (f64::from(value) * 100.0).fract().abs() > 1e-4;
-    let no_order = |bond: &Bond| bond.kind == BondKind::Covalent && bond.order == BondOrder::Unknown;
     let to_metal = |bond: &Bond| bond.kind == BondKind::Covalent && metals(structure, bond) == 1;
     let found = [
         (

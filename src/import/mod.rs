@@ -9,6 +9,7 @@
 //!
 //! Limits: the whole file is held in memory while it is read.
 
+mod cif;
 mod collect;
 mod decompress;
 mod detect;
@@ -79,6 +80,10 @@ pub enum Format {
     Sdf,
     /// Tripos MOL2.
     Mol2,
+    /// CIF of macromolecules and ligands (PDBx/mmCIF).
+    Mmcif,
+    /// CIF of small molecules and crystals.
+    Cif,
     /// Our own JSON.
     BallstickJson,
     /// Chemical JSON (Avogadro).
@@ -95,11 +100,13 @@ pub enum Format {
 
 impl Format {
     /// All formats.
-    pub const ALL: [Format; 10] = [
+    pub const ALL: [Format; 12] = [
         Format::Pdb,
         Format::Xyz,
         Format::Sdf,
         Format::Mol2,
+        Format::Mmcif,
+        Format::Cif,
         Format::BallstickJson,
         Format::ChemicalJson,
         Format::ImoleculeJson,
@@ -130,6 +137,8 @@ impl Format {
             Format::Xyz => "xyz",
             Format::Sdf => "sdf",
             Format::Mol2 => "mol2",
+            Format::Mmcif => "mmcif",
+            Format::Cif => "cif",
             Format::BallstickJson => "json",
             Format::ChemicalJson => "cjson",
             Format::ImoleculeJson => "imolecule",
@@ -158,6 +167,8 @@ impl Format {
             "extxyz" | "exyz" => Some(Format::Xyz),
             "mol" | "sd" | "mdl" => Some(Format::Sdf),
             "ml2" | "sy2" => Some(Format::Mol2),
+            // Magnetic structures.
+            "mcif" => Some(Format::Cif),
             _ => Format::ALL.into_iter().find(|format| format.name() == name),
         }
     }
@@ -290,6 +301,7 @@ fn read_plain(
             xyz::read(&text, &mut records, &mut diagnostics)?;
             format
         }
+        detect::Detected::Format(Format::Mmcif | Format::Cif) => cif::read(&text, &mut records, &mut diagnostics)?,
         detect::Detected::Format(format @ Format::Sdf) => {
             sdf::read(&text, &mut records, &mut diagnostics)?;
             format

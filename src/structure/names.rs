@@ -7,6 +7,13 @@ use std::hash::{BuildHasherDefault, Hasher};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct NameId(u32);
 
+impl NameId {
+    /// Its place in the table.
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
 /// The texts behind [`NameId`]s. Id 0 is the empty name.
 #[derive(Debug, Clone, Default)]
 pub struct Names {
@@ -27,6 +34,11 @@ impl Names {
     #[must_use]
     pub fn get(&self, id: NameId) -> &str {
         self.texts.get(id.0 as usize).map_or("", |text| text)
+    }
+
+    /// All texts, by their ids.
+    pub(crate) fn texts(&self) -> impl Iterator<Item = &str> {
+        self.texts.iter().map(|text| &**text)
     }
 
     /// The id of a name, if it has one.
@@ -67,14 +79,20 @@ impl Names {
 }
 
 /// The bytes of a name as a number, if they fit and none is zero (so that different names differ).
+#[inline]
 fn short_key(text: &str) -> Option<u64> {
     let bytes = text.as_bytes();
-    if bytes.len() > 8 || bytes.contains(&0) {
+    if bytes.len() > 8 {
         return None;
     }
-    let mut key = [0u8; 8];
-    key[..bytes.len()].copy_from_slice(bytes);
-    Some(u64::from_le_bytes(key))
+    let mut key = 0;
+    for &byte in bytes {
+        if byte == 0 {
+            return None;
+        }
+        key = key << 8 | u64::from(byte);
+    }
+    Some(key)
 }
 
 /// One multiplication: the keys are short ASCII texts, and a table from a hostile file has at most as many
