@@ -13,7 +13,7 @@ use crate::structure::{
 };
 use glam::DVec3;
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Reads the molecule whose first line is the next one.
 pub(super) fn read(lines: &mut Peekable<'_>, records: &Records, diagnostics: &mut Diagnostics) -> Result<Structure> {
@@ -388,8 +388,20 @@ impl<'a> Molecule<'a> {
         }
     }
 
+    /// The atom that shares a double bond among its neighbours, where the bond's types say so: SYBYL writes `ar` in
+    /// carboxylates and phosphates (`O.co2`) and guanidinium (`C.cat`) too, which are no rings.
+    fn shared_about(&self, first: u32, second: u32) -> Option<u32> {
+        let is = |atom: u32, kind: &[u8]| self.atoms[atom as usize].kind.eq_ignore_ascii_case(kind);
+        match (first, second) {
+            (oxygen, centre) | (centre, oxygen) if is(oxygen, b"O.co2") => Some(centre),
+            (centre, _) | (_, centre) if is(centre, b"C.cat") => Some(centre),
+            _ => None,
+        }
+    }
+
     fn push_bonds(&mut self, builder: &mut StructureBuilder, indices: &Indices, diagnostics: &mut Diagnostics) {
         let mut pairs = Vec::with_capacity(self.bonds.len());
+        let mut saturated: HashSet<u32> = HashSet::new();
         for &BondLine { atoms: [a, b], kind, line } in &self.bonds {
             let (Some(first), Some(second)) = (indices.get(a).filter(|_| a != b), indices.get(b)) else {
                 let count = self.atoms.len();
@@ -402,7 +414,11 @@ impl<'a> Molecule<'a> {
             let bond = match kind {
                 BondType::NotConnected => continue,
                 BondType::Order(order) => Bond { order, ..unknown },
-                BondType::Aromatic => Bond { aromatic: true, ..unknown },
+                BondType::Aromatic => match self.shared_about(first, second) {
+                    Some(centre) if saturated.insert(centre) => Bond { order: BondOrder::Double, ..unknown },
+                    Some(_) => Bond { order: BondOrder::Single, ..unknown },
+                    None => Bond { aromatic: true, ..unknown },
+                },
                 BondType::Unknown if is_metal(first) != is_metal(second) => {
                     Bond { kind: BondKind::Coordination, ..unknown }
                 }
