@@ -61,7 +61,8 @@ fn limits(structure: &Structure) -> Vec<&'static str> {
         let (lengths, angles) = parameters(cell);
         !lengths.iter().all(|&x| fits_decimals(x, 3)) || !angles.iter().all(|&x| fits_decimals(x, 2))
     };
-    let fine = |value: f32| !fits_decimals(f64::from(value), 2) && (f64::from(value) * 100.0).fract().abs() > 1e-4;
+    let fine = |value: f32| ((f64::from(value) * 100.0).round() / 100.0) as f32 != value;
+    let no_order = |bond: &Bond| bond.kind == BondKind::Covalent && bond.order == BondOrder::Unknown;
     let to_metal = |bond: &Bond| bond.kind == BondKind::Covalent && metals(structure, bond) == 1;
     let found = [
         (
@@ -74,6 +75,7 @@ fn limits(structure: &Structure) -> Vec<&'static str> {
         (has_repeated_serials(structure), "serial numbers that two atoms share (counted anew)"),
         (any(&|i| structure.formal_charge(i).unsigned_abs() > 9), "charges of more than nine (left out)"),
         (any(&|i| fine(structure.occupancy(i)) || fine(structure.b_factor(i))), "digits of occupancies or B factors"),
+        (plain_bonds(structure).any(no_order), "bonds of unknown order (read back as single)"),
         (
             plain_bonds(structure).any(to_metal),
             "covalent bonds to metals (CONECT does not tell them from coordination)",
