@@ -197,6 +197,13 @@ fn a_small_molecule_file_is_read_with_cell_and_symmetry() {
 }
 
 #[test]
+fn tables_beside_the_items_of_a_category_do_not_hide_them() {
+    let bonds = "loop_\n_chemical_conn_bond_atom_1\n_chemical_conn_bond_atom_2\n1 2\n2 3\n";
+    let document = read(&QUARTZ.replacen("_chemical_name", &format!("{bonds}_chemical_name"), 1));
+    assert_eq!((document.records[0].title(), document.diagnostics.len()), ("Quartz", 0));
+}
+
+#[test]
 fn missing_operations_are_the_identity_in_p1_and_a_warning_elsewhere() {
     let without: String = QUARTZ.replace("1 x,y,z\n2 'y, x, -z'\n", "1 ?\n");
     assert!(read(&without).diagnostics[0].message.contains("P 32 2 1"));
@@ -314,7 +321,7 @@ fn limits_hold() {
     let limits = Limits { atoms: 10, ..Limits::default() };
     let error =
         read_bytes(text.as_bytes(), "a.cif", &ImportOptions { limits, ..ImportOptions::default() }).unwrap_err();
-    assert!(matches!(error, Error::Limit { line: Some(16), .. }), "{error}");
+    assert!(matches!(error, Error::Limit { line: Some(17), .. }), "{error}");
     let models: String = (0..20).map(|n| format!("C 0 0 {n} {n}\n")).collect();
     let text = format!("data_x\n{}", sites("type_symbol Cartn_x Cartn_y Cartn_z pdbx_PDB_model_num", &models));
     let limits = Limits { records: 5, ..Limits::default() };
