@@ -1,5 +1,7 @@
 //! How importers fill a [`Structure`]: atom by atom, then frames, then bonds.
 
+mod append;
+
 use super::{
     Bond, BondStereo, Cell, ComponentBonds, Diagnostics, Frame, NameId, Names, Positions, Residue, SecondaryElement,
     StatedBonds, Structure, Symmetry, VectorField, bond,
@@ -127,16 +129,50 @@ impl StructureBuilder {
         self.decimals = decimals.min(Positions::MAX_DECIMALS);
     }
 
+    /// Room for some more atoms with names and residues, so that the columns need not be moved as they grow.
+    pub fn reserve(&mut self, atoms: usize) {
+        self.element.reserve(atoms);
+        self.points.reserve(atoms);
+        self.atom_name.reserve(atoms);
+        self.residue_of_atom.reserve(atoms);
+    }
+
     /// Adds an atom and returns its index. A residue that differs from the last atom's starts a new one.
     pub fn push_atom(&mut self, atom: &AtomRecord<'_>) -> u32 {
         let index = self.element.len();
-        self.element.push(atom.element);
-        self.points.push(atom.position);
         if let Some(residue) = atom.residue {
             self.push_residue(index, residue);
         } else if !self.residue_of_atom.is_empty() {
             self.push_residue(index, ("", 0, b' ', ""));
         }
+        self.push_columns(index, atom)
+    }
+
+    /// Starts a residue for the atoms that [`StructureBuilder::push_residue_atom`] adds, even if it has the chain,
+    /// number, insertion code and name of the last one.
+    pub fn begin_residue(&mut self, chain: &str, number: i32, insertion_code: u8, name: &str) {
+        let index = self.element.len();
+        self.name_atoms_without_residue(index);
+        let name = self.names.intern(name);
+        let chain = self.names.intern(chain);
+        let chain = self.chain_index(chain);
+        let first_atom = u32::try_from(index).unwrap_or(u32::MAX);
+        self.residues.push(Residue { name, number, insertion_code, chain, first_atom });
+    }
+
+    /// Adds an atom to the residue begun last, whatever [`AtomRecord::residue`] says, and returns its index.
+    pub fn push_residue_atom(&mut self, atom: &AtomRecord<'_>) -> u32 {
+        let index = self.element.len();
+        if self.residues.is_empty() {
+            self.begin_residue("", 0, b' ', "");
+        }
+        self.residue_of_atom.push(u32::try_from(self.residues.len() - 1).unwrap_or(u32::MAX));
+        self.push_columns(index, atom)
+    }
+
+    fn push_columns(&mut self, index: usize, atom: &AtomRecord<'_>) -> u32 {
+        self.element.push(atom.element);
+        self.points.push(atom.position);
         if !self.atom_name.is_empty() || !atom.name.is_empty() {
             let name = self.names.intern(atom.name);
             self.atom_name.resize(index, NameId::default());
@@ -164,13 +200,7 @@ impl StructureBuilder {
     }
 
     fn push_residue(&mut self, index: usize, (chain, number, insertion_code, name): (&str, i32, u8, &str)) {
-        if self.residue_of_atom.len() < index {
-            // The first atom with a residue after atoms without: those form one unnamed residue.
-            let unnamed = self.names.intern("");
-            let chain = self.chain_index(unnamed);
-            self.residues.push(Residue { name: unnamed, number: 0, insertion_code: b' ', chain, first_atom: 0 });
-            self.residue_of_atom.resize(index, 0);
-        }
+        self.name_atoms_without_residue(index);
         let name = self.names.intern(name);
         let chain_name = self.names.intern(chain);
         let same = self.residues.last().is_some_and(|last| {
@@ -185,6 +215,16 @@ impl StructureBuilder {
             self.residues.push(Residue { name, number, insertion_code, chain, first_atom });
         }
         self.residue_of_atom.push(u32::try_from(self.residues.len() - 1).unwrap_or(u32::MAX));
+    }
+
+    /// Before the first atom with a residue: the atoms without one form one unnamed residue.
+    fn name_atoms_without_residue(&mut self, index: usize) {
+        if self.residue_of_atom.len() < index {
+            let unnamed = self.names.intern("");
+            let chain = self.chain_index(unnamed);
+            self.residues.push(Residue { name: unnamed, number: 0, insertion_code: b' ', chain, first_atom: 0 });
+            self.residue_of_atom.resize(index, 0);
+        }
     }
 
     fn chain_index(&mut self, chain: NameId) -> u32 {

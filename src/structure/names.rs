@@ -7,6 +7,13 @@ use std::hash::{BuildHasherDefault, Hasher};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct NameId(u32);
 
+impl NameId {
+    /// Its place in the table.
+    pub(super) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
 /// The texts behind [`NameId`]s. Id 0 is the empty name.
 #[derive(Debug, Clone, Default)]
 pub struct Names {
@@ -27,6 +34,11 @@ impl Names {
     #[must_use]
     pub fn get(&self, id: NameId) -> &str {
         self.texts.get(id.0 as usize).map_or("", |text| text)
+    }
+
+    /// All texts, by their ids.
+    pub(super) fn texts(&self) -> impl Iterator<Item = &str> {
+        self.texts.iter().map(|text| &**text)
     }
 
     /// The id of a name, if it has one.
