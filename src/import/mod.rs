@@ -10,11 +10,14 @@
 //! Limits: the whole file is held in memory while it is read.
 
 mod collect;
+mod cube;
 mod decompress;
 mod detect;
+mod gro;
 mod json;
 mod number;
 mod pdb;
+mod poscar;
 mod sdf;
 mod symbol;
 mod text;
@@ -76,6 +79,12 @@ pub enum Format {
     Xyz,
     /// MDL MOL and SD files, V2000.
     Sdf,
+    /// VASP's POSCAR, CONTCAR and XDATCAR.
+    Poscar,
+    /// Gaussian cube (the atoms).
+    Cube,
+    /// GROMACS structures.
+    Gro,
     /// Our own JSON.
     BallstickJson,
     /// Chemical JSON (Avogadro).
@@ -86,8 +95,17 @@ pub enum Format {
 
 impl Format {
     /// All formats.
-    pub const ALL: [Format; 6] =
-        [Format::Pdb, Format::Xyz, Format::Sdf, Format::BallstickJson, Format::ChemicalJson, Format::ImoleculeJson];
+    pub const ALL: [Format; 9] = [
+        Format::Pdb,
+        Format::Xyz,
+        Format::Sdf,
+        Format::Poscar,
+        Format::Cube,
+        Format::Gro,
+        Format::BallstickJson,
+        Format::ChemicalJson,
+        Format::ImoleculeJson,
+    ];
 
     /// The name on the command line and in `info --json`.
     #[must_use]
@@ -96,6 +114,9 @@ impl Format {
             Format::Pdb => "pdb",
             Format::Xyz => "xyz",
             Format::Sdf => "sdf",
+            Format::Poscar => "poscar",
+            Format::Cube => "cube",
+            Format::Gro => "gro",
             Format::BallstickJson => "json",
             Format::ChemicalJson => "cjson",
             Format::ImoleculeJson => "imolecule",
@@ -120,6 +141,8 @@ impl Format {
             }
             "extxyz" | "exyz" => Some(Format::Xyz),
             "mol" | "sd" | "mdl" => Some(Format::Sdf),
+            "vasp" | "contcar" | "xdatcar" => Some(Format::Poscar),
+            "cub" => Some(Format::Cube),
             _ => Format::ALL.into_iter().find(|format| format.name() == name),
         }
     }
@@ -249,6 +272,18 @@ fn read_plain(
         }
         detect::Detected::Format(format @ Format::Sdf) => {
             sdf::read(&text, &mut records, &mut diagnostics)?;
+            format
+        }
+        detect::Detected::Format(format @ Format::Poscar) => {
+            poscar::read(&text, &mut records, &mut diagnostics)?;
+            format
+        }
+        detect::Detected::Format(format @ Format::Cube) => {
+            cube::read(&text, &mut records, &mut diagnostics)?;
+            format
+        }
+        detect::Detected::Format(format @ Format::Gro) => {
+            gro::read(&text, &mut records, &mut diagnostics)?;
             format
         }
     };

@@ -5,6 +5,7 @@
 //! accurately", PLDI 1990). Everything else goes to the standard library's parser, which is exact too.
 
 use super::text::next_word;
+use glam::DVec3;
 
 /// Powers of ten that an f64 holds exactly.
 const TEN: [f64; 23] = [
@@ -81,6 +82,15 @@ pub(super) fn next_f64(line: &[u8]) -> Option<(f64, u8, &[u8])> {
     let decimals = if has_point { index - point - 1 } else { 0 };
     let value = mantissa as f64 / TEN[decimals];
     Some((if negative { -value } else { value }, decimals as u8, &line[index..]))
+}
+
+/// Three numbers, the most decimals among them, and what follows.
+#[inline]
+pub(super) fn next_vector(rest: &[u8]) -> Option<(DVec3, u8, &[u8])> {
+    let (x, dx, rest) = next_f64(rest)?;
+    let (y, dy, rest) = next_f64(rest)?;
+    let (z, dz, rest) = next_f64(rest)?;
+    Some((DVec3::new(x, y, z), dx.max(dy).max(dz), rest))
 }
 
 /// Exponents (Fortran's `D` too), long numbers, `nan`, `inf`.

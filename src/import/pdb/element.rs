@@ -9,16 +9,16 @@ use crate::element::Element;
 
 /// What a name means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Guess {
-    pub(super) element: Element,
-    pub(super) isotope: u16,
+pub(in crate::import) struct Guess {
+    pub(in crate::import) element: Element,
+    pub(in crate::import) isotope: u16,
     /// Lone pair, Drude particle, mass-less site of a water model.
-    pub(super) particle: bool,
+    pub(in crate::import) particle: bool,
 }
 
 impl Guess {
     const UNKNOWN: Guess = Guess { element: Element::DUMMY, isotope: 0, particle: false };
-    const PARTICLE: Guess = Guess { element: Element::DUMMY, isotope: 0, particle: true };
+    pub(in crate::import) const PARTICLE: Guess = Guess { element: Element::DUMMY, isotope: 0, particle: true };
 
     pub(super) fn of(symbol: &[u8]) -> Option<Guess> {
         let (element, isotope) = Element::from_symbol_isotope(std::str::from_utf8(symbol).ok()?)?;
@@ -186,7 +186,7 @@ fn is_unmistakable(symbol: &[u8]) -> bool {
 
 /// The element of an atom from its name (the four columns as they are) and its residue's. `aligned` says, when
 /// asked, whether the file aligns its names.
-pub(super) fn guess(name: &[u8], residue: &[u8], aligned: impl FnOnce() -> bool) -> Guess {
+pub(in crate::import) fn guess(name: &[u8], residue: &[u8], aligned: impl FnOnce() -> bool) -> Guess {
     let letters = letters(name);
     let Some(&first) = letters.first() else { return Guess::UNKNOWN };
     let trimmed = name.trim_ascii();
@@ -195,6 +195,12 @@ pub(super) fn guess(name: &[u8], residue: &[u8], aligned: impl FnOnce() -> bool)
     }
     if let Some(ion) = force_field_ion(trimmed).filter(|_| residue == trimmed || residue == b"ION") {
         return Guess::of(ion).unwrap_or(Guess::UNKNOWN);
+    }
+    if residue == b"ION"
+        && letters.len() <= 2
+        && let Some(ion) = Guess::of(letters)
+    {
+        return ion; // NA, CL- in GROMOS topologies
     }
     let residue_letters = self::letters(residue);
     if residue_letters.eq_ignore_ascii_case(letters)

@@ -17,7 +17,7 @@
 //! Not read: bonds to symmetry mates (they have no atoms here), SCALE and ORIGX, ANISOU, hydrogen bonds of old CONECT.
 
 mod bonds;
-mod element;
+pub(super) mod element;
 mod fields;
 mod number;
 

@@ -15,7 +15,7 @@ mod comment;
 
 use super::collect::Records;
 use super::is_plausible;
-use super::number::{next_f64, parse_f64, parse_i64};
+use super::number::{next_vector, parse_f64, parse_i64};
 use super::symbol::{LabelKind, read_label};
 use super::text::{Lines, Repeated, is_blank_line, lossy, next_word, shown, words};
 use crate::element::Element;
@@ -318,15 +318,6 @@ impl Frame {
         }
         records.push_frame(builder.build(diagnostics));
     }
-}
-
-/// Three numbers, the most decimals among them, and what follows.
-#[inline]
-fn next_vector(rest: &[u8]) -> Option<(DVec3, u8, &[u8])> {
-    let (x, dx, rest) = next_f64(rest)?;
-    let (y, dy, rest) = next_f64(rest)?;
-    let (z, dz, rest) = next_f64(rest)?;
-    Some((DVec3::new(x, y, z), dx.max(dy).max(dz), rest))
 }
 
 #[cfg(test)]
