@@ -29,15 +29,15 @@ pub(super) fn detect(text: &[u8], name_hint: &str, diagnostics: &mut Diagnostics
     let by_content = by_content(text)?;
     match (by_content, by_name) {
         (Some(Detected::Json), _) => Ok(Detected::Json),
-        (Some(found @ Detected::Format(format)), named) => {
-            if let Some(named) = named.filter(|&named| named != format) {
-                diagnostics
-                    .warn(None, format!("the name says {named}, but the content is {format} and is read as that"));
-            }
+        (Some(found @ Detected::Format(format)), _) => {
+            warn_of_name(format, name_hint, diagnostics);
             Ok(found)
         }
         (None, Some(Format::BallstickJson | Format::ChemicalJson | Format::ImoleculeJson)) => {
             Err(Error::input(1, "the name says JSON, but the content does not begin with `{`"))
+        }
+        (None, Some(Format::BinaryCif)) => {
+            Err(Error::input(None, "the name says BinaryCIF, but the content does not begin as such a file does"))
         }
         (None, _) if looks_binary(text) => {
             Err(Error::input(None, "this is a binary file, not a molecule file in text form"))
@@ -45,8 +45,18 @@ pub(super) fn detect(text: &[u8], name_hint: &str, diagnostics: &mut Diagnostics
         (None, Some(named)) => Ok(Detected::Format(named)),
         (None, None) => Err(Error::input(
             None,
-            "neither the content nor the name tells the format; name it (pdb, xyz, sdf, poscar, cube, gro, json, …)",
+            "neither the content nor the name tells the format; name it (pdb, mmcif, bcif, cif, xyz, sdf, poscar, cube, gro, json, …)",
         )),
+    }
+}
+
+/// Warns if the name says another format than the content.
+pub(super) fn warn_of_name(format: Format, name_hint: &str, diagnostics: &mut Diagnostics) {
+    // Both kinds of CIF go by the extension `cif`.
+    let cif = |format| matches!(format, Format::Cif | Format::Mmcif);
+    let odd = |&named: &Format| named != format && !(cif(named) && cif(format));
+    if let Some(named) = format_of_name(name_hint).filter(odd) {
+        diagnostics.warn(None, format!("the name says {named}, but the content is {format} and is read as that"));
     }
 }
 
@@ -75,6 +85,9 @@ fn by_content(text: &[u8]) -> Result<Option<Detected>> {
     }
     let head = &text[..text.len().min(LOOK_BYTES)];
     let lines: Vec<&[u8]> = Lines::new(head, LOOK_BYTES).collect();
+    if let Some(format) = cif_kind(&lines) {
+        return Ok(Some(Detected::Format(format)));
+    }
     if lines.iter().take(12).any(|line| sdf::is_counts_line(line)) {
         return Ok(Some(Detected::Format(Format::Sdf)));
     }
@@ -116,6 +129,18 @@ fn begins_as_pdb(lines: &[&[u8]]) -> bool {
         .is_some_and(|line| RECORDS.iter().any(|record| line.starts_with(record) || **line == *record.trim_ascii_end()))
 }
 
+/// A CIF begins with `data_`, comments aside. The names of macromolecular ones have a dot; the reader tells the kind
+/// for sure.
+fn cif_kind(lines: &[&[u8]]) -> Option<Format> {
+    let first = lines.iter().find(|line| !is_blank_line(line) && !line.trim_ascii_start().starts_with(b"#"))?;
+    let block = first.trim_ascii_start().get(..5)?;
+    if !block.eq_ignore_ascii_case(b"data_") {
+        return None;
+    }
+    let name = lines.iter().filter_map(|line| words(line).next()).find(|word| word.starts_with(b"_"));
+    Some(if name.is_some_and(|name| name.contains(&b'.')) { Format::Mmcif } else { Format::Cif })
+}
+
 /// An atom count alone on its line, and atoms two lines below (or nothing, in a file that was cut there).
 fn is_xyz(lines: &[&[u8]]) -> bool {
     let Some(first) = lines.iter().position(|line| !is_blank_line(line)) else { return false };
@@ -129,9 +154,6 @@ fn is_xyz(lines: &[&[u8]]) -> bool {
 fn unread_format(lines: &[&[u8]]) -> Option<&'static str> {
     let first = lines.iter().find(|line| !is_blank_line(line) && !line.starts_with(b"#"))?;
     let starts = |word: &[u8]| first.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word));
-    if starts(b"data_") {
-        return Some("CIF");
-    }
     if starts(b"$RXN") || starts(b"$MDL") {
         return Some("MDL reaction or Rgroup");
     }
@@ -168,6 +190,12 @@ mod tests {
         let cube = "a\nb\n1 0 0 0\n2 1 0 0\n2 0 1 0\n2 0 0 1\n1 1.0 0 0 0\n";
         assert_eq!(run(cube, "").unwrap(), Detected::Format(Format::Cube));
         assert_eq!(run(" {\"atoms\": []}", "a.pdb").unwrap(), Detected::Json);
+        for (text, format) in [
+            ("# x\n\nDATA_1abc\n_entry.id 1abc\n", Format::Mmcif),
+            ("data_x\nloop_\n_publ_author_name\na\n", Format::Cif),
+        ] {
+            assert_eq!(run(text, "").unwrap(), Detected::Format(format), "{text}");
+        }
         assert_eq!(run("REMARK only\nATOM\n", "").unwrap(), Detected::Format(Format::Pdb));
     }
 
@@ -190,7 +218,7 @@ mod tests {
 
     #[test]
     fn what_is_not_read_is_named() {
-        for (text, word) in [("data_1ABC\nloop_\n", "CIF"), ("@<TRIPOS>MOLECULE\n", "MOL2"), ("<?xml ?>", "XML")] {
+        for (text, word) in [("@<TRIPOS>MOLECULE\n", "MOL2"), ("<?xml ?>", "XML")] {
             let error = run(text, "a.pdb").unwrap_err();
             assert!(matches!(&error, Error::Unsupported(message) if message.contains(word)), "{error}");
         }

@@ -9,6 +9,8 @@
 //!
 //! Limits: the whole file is held in memory while it is read.
 
+mod bcif;
+mod cif;
 mod collect;
 mod cube;
 mod decompress;
@@ -79,6 +81,12 @@ pub enum Format {
     Xyz,
     /// MDL MOL and SD files, V2000.
     Sdf,
+    /// CIF of macromolecules and ligands (PDBx/mmCIF).
+    Mmcif,
+    /// CIF of small molecules and crystals.
+    Cif,
+    /// BinaryCIF: mmCIF with encoded columns in MessagePack.
+    BinaryCif,
     /// VASP's POSCAR, CONTCAR and XDATCAR.
     Poscar,
     /// Gaussian cube (the atoms).
@@ -95,10 +103,13 @@ pub enum Format {
 
 impl Format {
     /// All formats.
-    pub const ALL: [Format; 9] = [
+    pub const ALL: [Format; 12] = [
         Format::Pdb,
         Format::Xyz,
         Format::Sdf,
+        Format::Mmcif,
+        Format::Cif,
+        Format::BinaryCif,
         Format::Poscar,
         Format::Cube,
         Format::Gro,
@@ -114,6 +125,9 @@ impl Format {
             Format::Pdb => "pdb",
             Format::Xyz => "xyz",
             Format::Sdf => "sdf",
+            Format::Mmcif => "mmcif",
+            Format::Cif => "cif",
+            Format::BinaryCif => "bcif",
             Format::Poscar => "poscar",
             Format::Cube => "cube",
             Format::Gro => "gro",
@@ -143,6 +157,8 @@ impl Format {
             "mol" | "sd" | "mdl" => Some(Format::Sdf),
             "vasp" | "contcar" | "xdatcar" => Some(Format::Poscar),
             "cub" => Some(Format::Cube),
+            // Magnetic structures.
+            "mcif" => Some(Format::Cif),
             _ => Format::ALL.into_iter().find(|format| format.name() == name),
         }
     }
@@ -251,6 +267,12 @@ fn read_plain(
     options: &ImportOptions,
     mut diagnostics: Diagnostics,
 ) -> Result<Document> {
+    if options.format == Some(Format::BinaryCif) || options.format.is_none() && bcif::is_binary_cif(bytes) {
+        detect::warn_of_name(Format::BinaryCif, name_hint, &mut diagnostics);
+        let mut records = collect::Records::new(&options.limits);
+        bcif::read(bytes, &mut records, &mut diagnostics)?;
+        return records.finish(Format::BinaryCif, diagnostics);
+    }
     let text = text::normalise(bytes, &mut diagnostics);
     let format = match options.format {
         Some(format) => detect::Detected::Format(format),
@@ -268,6 +290,11 @@ fn read_plain(
         }
         detect::Detected::Format(format @ Format::Xyz) => {
             xyz::read(&text, &mut records, &mut diagnostics)?;
+            format
+        }
+        detect::Detected::Format(Format::Mmcif | Format::Cif) => cif::read(&text, &mut records, &mut diagnostics)?,
+        detect::Detected::Format(format @ Format::BinaryCif) => {
+            bcif::read(bytes, &mut records, &mut diagnostics)?;
             format
         }
         detect::Detected::Format(format @ Format::Sdf) => {

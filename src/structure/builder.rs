@@ -240,6 +240,16 @@ impl StructureBuilder {
         index
     }
 
+    /// Replaces every position of the first frame by `place(position)`; `false` as soon as one does not satisfy `is_sound`
+    /// (fractional coordinates are placed once the cell is known).
+    #[must_use]
+    pub fn map_positions(&mut self, place: impl Fn(DVec3) -> DVec3, is_sound: impl Fn(DVec3) -> bool) -> bool {
+        self.points.iter_mut().all(|point| {
+            *point = place(*point);
+            is_sound(*point)
+        })
+    }
+
     /// Replaces the formal charge of an atom (property lines come after the atoms in some formats).
     pub fn set_formal_charge(&mut self, atom: usize, charge: i8) {
         set_sparse(&mut self.formal_charge, self.element.len(), atom, charge, 0);

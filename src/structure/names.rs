@@ -9,7 +9,7 @@ pub struct NameId(u32);
 
 impl NameId {
     /// Its place in the table.
-    pub(super) fn index(self) -> usize {
+    pub(crate) fn index(self) -> usize {
         self.0 as usize
     }
 }
@@ -37,7 +37,7 @@ impl Names {
     }
 
     /// All texts, by their ids.
-    pub(super) fn texts(&self) -> impl Iterator<Item = &str> {
+    pub(crate) fn texts(&self) -> impl Iterator<Item = &str> {
         self.texts.iter().map(|text| &**text)
     }
 

@@ -116,9 +116,8 @@ struct Fields<'a> {
     offset_encodings: Vec<Encoding<'a>>,
 }
 
-const NUMBERS: [&[u8]; 10] = [
-    b"type", b"factor", b"srcType", b"min", b"max", b"numSteps", b"srcSize", b"origin", b"byteCount", b"isUnsigned",
-];
+const NUMBERS: [&[u8]; 10] =
+    [b"type", b"factor", b"srcType", b"min", b"max", b"numSteps", b"srcSize", b"origin", b"byteCount", b"isUnsigned"];
 
 impl Fields<'_> {
     fn number(&self, name: &str) -> Option<f64> {
@@ -372,13 +371,7 @@ fn expand_runs(runs: &[i32], size: usize, budget: &Budget) -> Result<Vec<i32>, P
     Ok(values)
 }
 
-fn unpack(
-    state: State<'_>,
-    byte_count: i64,
-    size: usize,
-    unsigned: bool,
-    budget: &Budget,
-) -> Result<Values, Problem> {
+fn unpack(state: State<'_>, byte_count: i64, size: usize, unsigned: bool, budget: &Budget) -> Result<Values, Problem> {
     let (low, high) = match (byte_count, unsigned) {
         (1, true) => (i32::MIN, 0xff),
         (1, false) => (-0x80, 0x7f),

@@ -15,15 +15,16 @@
 //! 16 MiB, as with compressed files; lengths that the file only claims cost nothing.
 
 mod column;
-mod encoding;
 #[cfg(test)]
 mod encoder;
+mod encoding;
 mod msgpack;
 mod table;
 #[cfg(test)]
 mod tests;
 
-use super::cif::block::{self, AtomSites};
+use super::cif::atoms::AtomSites;
+use super::cif::block;
 use super::cif::table::{Block, Category};
 use super::collect::Records;
 use crate::error::{Error, Result};
@@ -48,8 +49,8 @@ pub(super) fn read(bytes: &[u8], records: &mut Records, diagnostics: &mut Diagno
     let mut first_problem = None;
     let outcome = read_blocks(&mut Cursor::new(bytes), &context, |block| {
         let sites = match block.table(Category::AtomSite) {
-            Some(table) => AtomSites::from_table(&table, records),
-            None => Ok(AtomSites::default()),
+            Some(table) => AtomSites::from_table(&table, &limits),
+            None => Ok(AtomSites::new(&limits)),
         };
         let result = sites.and_then(|sites| block::finish(block, sites, records, diagnostics));
         if let Some(limit) = context.limit() {

@@ -37,7 +37,8 @@ impl Context {
 
     /// The limit error, if a column was too large.
     pub(super) fn limit(&self) -> Option<Error> {
-        let message = || format!("the columns decode to more than {} times the size of the file (limit `ratio`)", self.ratio);
+        let message =
+            || format!("the columns decode to more than {} times the size of the file (limit `ratio`)", self.ratio);
         self.too_large.get().then(|| Error::limit(None, message()))
     }
 }
