@@ -4,7 +4,7 @@
 //! ten that an f64 holds exactly, so one division rounds correctly (Clinger, "How to read floating point numbers
 //! accurately", PLDI 1990). Everything else goes to the standard library's parser, which is exact too.
 
-use super::text::next_word;
+use super::text::{field, next_word};
 use glam::DVec3;
 
 /// Powers of ten that an f64 holds exactly.
@@ -45,6 +45,65 @@ pub(super) fn parse_f64(text: &[u8]) -> Option<(f64, u8)> {
     let decimals = if point == usize::MAX { 0 } else { length - point };
     let value = mantissa as f64 / TEN[decimals];
     Some((if negative { -value } else { value }, decimals as u8))
+}
+
+/// The number right-aligned in eight bytes, with a decimal point, and its decimals: `  -1.250`. `None` for anything
+/// else, which [`parse_f64`] is to read; where both read a number it is the same.
+///
+/// Method: all eight digits at once, as pairs, fours and eights are put together by multiplications ("SIMD within a
+/// register"; Lemire, "Number parsing at a gigabyte per second", Softw. Pract. Exp. 2021, 51, 1700).
+#[inline]
+pub(super) fn fixed_f64(text: [u8; 8]) -> Option<(f64, u8)> {
+    const ONES: u64 = 0x0101_0101_0101_0101;
+    let word = u64::from_le_bytes(text);
+    // The lowest byte that is 0 after this is the point.
+    let point = word ^ (ONES * u64::from(b'.'));
+    let zero = point.wrapping_sub(ONES) & !point & (ONES << 7);
+    if zero == 0 {
+        return None;
+    }
+    let at = zero.trailing_zeros() & !7; // in bits
+    let below = (1u64 << at) - 1;
+    // Without the point, behind one more blank.
+    let digits = (word & below) | ((word >> at >> 8) << at);
+    let mut digits = (digits << 8) | u64::from(b' ');
+    let blanks = (digits ^ (ONES * u64::from(b' '))).trailing_zeros() & !7;
+    if blanks >= 64 {
+        return None;
+    }
+    let negative = (digits >> blanks) as u8 == b'-';
+    let skip = blanks + if negative { 8 } else { 0 };
+    if skip >= 64 {
+        return None;
+    }
+    let blank = (1u64 << skip) - 1;
+    digits = (digits & !blank) | ((ONES * u64::from(b'0')) & blank);
+    let values = digits ^ (ONES * u64::from(b'0'));
+    // Each byte is a digit: neither it nor it plus six has a high half.
+    if (values | values.wrapping_add(ONES * 6)) & (ONES * 0xf0) != 0 {
+        return None;
+    }
+    let pairs = values.wrapping_mul(10).wrapping_add(values >> 8) & 0x00ff_00ff_00ff_00ff;
+    let fours = pairs.wrapping_mul(100).wrapping_add(pairs >> 16) & 0x0000_ffff_0000_ffff;
+    let eight = fours.wrapping_mul(10_000).wrapping_add(fours >> 32) & 0xffff_ffff;
+    let decimals = 7 - at / 8;
+    let value = eight as f64 / TEN[decimals as usize];
+    Some((if negative { -value } else { value }, decimals as u8))
+}
+
+/// [`fixed_f64`] of the columns `from..to` (at most eight), else [`parse_f64`] of what stands there.
+#[inline]
+pub(super) fn column_f64(line: &[u8], from: usize, to: usize) -> Option<(f64, u8)> {
+    if let Some(text) = line.get(from..to)
+        && text.len() <= 8
+    {
+        let mut padded = [b' '; 8];
+        padded[8 - text.len()..].copy_from_slice(text);
+        if let Some(found) = fixed_f64(padded) {
+            return Some(found);
+        }
+    }
+    parse_f64(field(line, from, to))
 }
 
 /// The next blank-separated number of a line, its decimals, and what follows it: [`parse_f64`] of the next word, but in
@@ -119,8 +178,17 @@ pub(super) fn parse_i64(text: &[u8]) -> Option<i64> {
     if digits.is_empty() {
         return None;
     }
+    // Eighteen digits fit whatever they are.
+    let (sure, rest) = digits.split_at(digits.len().min(18));
     let mut value = 0i64;
-    for &byte in digits {
+    for &byte in sure {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            return None;
+        }
+        value = value * 10 + i64::from(digit);
+    }
+    for &byte in rest {
         let digit = byte.wrapping_sub(b'0');
         if digit > 9 {
             return None;
@@ -203,7 +271,38 @@ mod tests {
         assert_eq!(decimals_of(&[1.0 / 3.0], 0), crate::structure::Positions::MAX_DECIMALS);
     }
 
+    #[test]
+    fn eight_columns_are_read_at_once() {
+        for text in
+            ["   1.250", "-999.999", "9999.999", "      .5", "      5.", "  -0.000", "12345678", "1.234567", "-.123456"]
+        {
+            let want = parse_f64(text.trim().as_bytes());
+            let got = fixed_f64(text.as_bytes().try_into().unwrap());
+            assert_eq!(got, if text.contains('.') { want } else { None }, "{text}");
+        }
+        for text in [
+            "        ", "       .", "      -.", "1.2.3456", "  1 .500", "  1.5   ", "  +1.500", " 1.5E+01", "   - 1.5",
+            "     -  ",
+        ] {
+            assert_eq!(fixed_f64(text.as_bytes().try_into().unwrap()), None, "{text}");
+        }
+        assert_eq!(column_f64(b"xx  1.50", 2, 8), Some((1.5, 2)));
+        assert_eq!((column_f64(b"xx  1.5", 2, 8), column_f64(b"xx+1.5E0", 2, 8)), (Some((1.5, 1)), Some((1.5, 1))));
+    }
+
     proptest! {
+        #[test]
+        fn eight_columns_are_read_as_any_number_is(text in "[ 0-9.+-]{8}|  ?-?[0-9]{1,4}\\.[0-9]{0,3}") {
+            let text = format!("{text:>8}");
+            if let Ok(bytes) = <[u8; 8]>::try_from(text.as_bytes())
+                && let Some((value, decimals)) = fixed_f64(bytes)
+            {
+                let want = parse_f64(text.trim_ascii().as_bytes());
+                prop_assert_eq!(want, Some((value, decimals)));
+                prop_assert_eq!(want.unwrap().0.to_bits(), value.to_bits());
+            }
+        }
+
         #[test]
         fn the_quick_way_gives_what_the_standard_library_gives(text in "-?[0-9]{1,9}\\.[0-9]{0,9}") {
             prop_assert_eq!(parse_f64(text.as_bytes()).unwrap().0, text.parse::<f64>().unwrap());

@@ -21,7 +21,7 @@ impl Guess {
     pub(in crate::import) const PARTICLE: Guess = Guess { element: Element::DUMMY, isotope: 0, particle: true };
 
     pub(super) fn of(symbol: &[u8]) -> Option<Guess> {
-        let (element, isotope) = Element::from_symbol_isotope(std::str::from_utf8(symbol).ok()?)?;
+        let (element, isotope) = Element::from_symbol_bytes(symbol)?;
         Some(Guess { element, isotope, particle: false })
     }
 }

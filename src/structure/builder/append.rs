@@ -35,6 +35,25 @@ impl StructureBuilder {
         append_sparse(&mut self.radical, before, &other.radical, added, 0);
     }
 
+    /// As [`StructureBuilder::append`]; the first residue of `other` is the rest of the last one here if it has the same
+    /// chain, number, insertion code and name, as [`StructureBuilder::push_atom`] has it.
+    pub fn append_runs(&mut self, other: StructureBuilder) {
+        let joins = match (self.residues.last(), other.residues.first()) {
+            (Some(last), Some(first)) => {
+                let chain_of = |builder: &'_ StructureBuilder, residue: &Residue| {
+                    let name = builder.chains.get(residue.chain as usize).copied().unwrap_or_default();
+                    builder.names.get(name).to_owned()
+                };
+                last.number == first.number
+                    && last.insertion_code == first.insertion_code
+                    && self.names.get(last.name) == other.names.get(first.name)
+                    && chain_of(self, last) == chain_of(&other, first)
+            }
+            _ => false,
+        };
+        self.append(other, joins);
+    }
+
     /// The first part: its columns become the columns here.
     fn take_atoms(&mut self, other: StructureBuilder) {
         self.names = other.names;
