@@ -3,6 +3,7 @@
 mod append;
 
 use super::names::RecentNames;
+use super::positions::Points;
 use super::{
     Bond, BondStereo, Cell, ComponentBonds, Diagnostics, Frame, NameId, Names, Positions, Residue, SecondaryElement,
     StatedBonds, Structure, Symmetry, VectorField, bond,
@@ -69,7 +70,7 @@ pub struct StructureBuilder {
     names: Names,
     recent: RecentNames,
     element: Vec<Element>,
-    points: Vec<DVec3>,
+    points: Points,
     atom_name: Vec<NameId>,
     serial: Vec<i32>,
     residue_of_atom: Vec<u32>,
@@ -284,10 +285,7 @@ impl StructureBuilder {
     /// (fractional coordinates are placed once the cell is known).
     #[must_use]
     pub fn map_positions(&mut self, place: impl Fn(DVec3) -> DVec3, is_sound: impl Fn(DVec3) -> bool) -> bool {
-        self.points.iter_mut().all(|point| {
-            *point = place(*point);
-            is_sound(*point)
-        })
+        self.points.map(place, is_sound)
     }
 
     /// Replaces the formal charge of an atom (property lines come after the atoms in some formats).
@@ -387,7 +385,7 @@ impl StructureBuilder {
     /// Finishes. Digits that had to be dropped are warned of.
     #[must_use]
     pub fn build(self, diagnostics: &mut Diagnostics) -> Structure {
-        let (positions, lost) = Positions::from_f64(&self.points, self.decimals);
+        let (positions, lost) = self.points.into_positions(self.decimals);
         if lost || self.digits_lost {
             let message = "positions have more digits than can be kept (atoms millions of ångström apart); the last ones are rounded";
             diagnostics.warn(None, message);
