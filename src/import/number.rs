@@ -91,18 +91,26 @@ pub(super) fn fixed_f64(text: [u8; 8]) -> Option<(f64, u8)> {
     Some((if negative { -value } else { value }, decimals as u8))
 }
 
-/// [`fixed_f64`] of the columns `from..to` (at most eight), else [`parse_f64`] of what stands there.
-#[inline]
+/// [`fixed_f64`] of the columns `from..to` (at most eight of them, the last one no earlier than the eighth of the line),
+/// else [`parse_f64`] of what stands there.
+#[inline(always)]
 pub(super) fn column_f64(line: &[u8], from: usize, to: usize) -> Option<(f64, u8)> {
-    if let Some(text) = line.get(from..to)
-        && text.len() <= 8
+    let width = to.saturating_sub(from);
+    if (1..=8).contains(&width)
+        && let Some(text) = line.get(to.wrapping_sub(8)..to).and_then(|text| text.first_chunk())
     {
-        let mut padded = [b' '; 8];
-        padded[8 - text.len()..].copy_from_slice(text);
-        if let Some(found) = fixed_f64(padded) {
+        // Eight bytes are loaded at once, and those of the column before are made blanks.
+        let before = (1u64 << (8 * (8 - width))) - 1;
+        let word = (u64::from_le_bytes(*text) & !before) | (u64::from_le_bytes([b' '; 8]) & before);
+        if let Some(found) = fixed_f64(word.to_le_bytes()) {
             return Some(found);
         }
     }
+    column_slowly(line, from, to)
+}
+
+#[cold]
+fn column_slowly(line: &[u8], from: usize, to: usize) -> Option<(f64, u8)> {
     parse_f64(field(line, from, to))
 }
 
@@ -286,8 +294,12 @@ mod tests {
         ] {
             assert_eq!(fixed_f64(text.as_bytes().try_into().unwrap()), None, "{text}");
         }
-        assert_eq!(column_f64(b"xx  1.50", 2, 8), Some((1.5, 2)));
-        assert_eq!((column_f64(b"xx  1.5", 2, 8), column_f64(b"xx+1.5E0", 2, 8)), (Some((1.5, 1)), Some((1.5, 1))));
+        assert_eq!(column_f64(b"12  1.50", 2, 8), Some((1.5, 2)));
+        assert_eq!((column_f64(b"12  1.5", 2, 8), column_f64(b"12+1.5E0", 2, 8)), (Some((1.5, 1)), Some((1.5, 1))));
+        assert_eq!(
+            (column_f64(b"1.5", 0, 3), column_f64(b"", 0, 8), column_f64(b"123456789", 3, 3)),
+            (Some((1.5, 1)), None, None)
+        );
     }
 
     proptest! {

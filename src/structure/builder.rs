@@ -73,6 +73,8 @@ pub struct StructureBuilder {
     points: Points,
     atom_name: Vec<NameId>,
     serial: Vec<i32>,
+    /// Whether any atom came with a serial number.
+    states_serials: bool,
     residue_of_atom: Vec<u32>,
     flags: Vec<u8>,
     altloc: Vec<u8>,
@@ -212,6 +214,7 @@ impl StructureBuilder {
         self.element.push(atom.element);
         self.points.push(atom.position);
         let counted = i32::try_from(index + 1).unwrap_or(i32::MAX);
+        self.states_serials |= atom.serial.is_some();
         if !self.serial.is_empty() || atom.serial.is_some_and(|serial| serial != counted) {
             while self.serial.len() < index {
                 self.serial.push(i32::try_from(self.serial.len() + 1).unwrap_or(i32::MAX));

@@ -53,7 +53,30 @@ impl<'a> Column<'a> {
             Some(mask) => decode_mask(mask, rows, budget)?,
             None => None,
         };
-        Ok(Column { content, mask })
+        Ok(Column { content, mask }.with_mask_in_texts())
+    }
+
+    /// Texts say themselves which of them are absent, which saves a look at the mask.
+    fn with_mask_in_texts(mut self) -> Column<'a> {
+        if let Content::Texts(_, indices) = &mut self.content
+            && let Some(mask) = self.mask.take()
+        {
+            for (index, masked) in indices.iter_mut().zip(mask) {
+                if masked != 0 {
+                    *index = -1;
+                }
+            }
+        }
+        self
+    }
+
+    /// Whether no row has a value.
+    pub(super) fn is_void(&self) -> bool {
+        match (&self.content, &self.mask) {
+            (Content::Texts(_, indices), _) => indices.iter().all(|&index| index < 0),
+            (_, Some(mask)) => mask.iter().all(|&masked| masked != 0),
+            _ => false,
+        }
     }
 
     #[inline]

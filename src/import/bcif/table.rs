@@ -178,14 +178,22 @@ impl Block for BinaryBlock<'_, '_> {
 }
 
 impl Table for &BinaryTable<'_, '_> {
+    /// A column without any value is as good as none, but for those of positions, without which nothing can be had.
     fn column(&self, item: &str) -> Index {
         let found = self.columns.iter().position(|column| column.name.eq_ignore_ascii_case(item.as_bytes()));
-        found.filter(|&index| self.prepare(&self.columns[index])).unwrap_or(ABSENT)
+        let has_values = |index: usize| {
+            let is_void = |column: &Column<'_>| column.is_void();
+            self.columns[index].decoded.get().and_then(Option::as_ref).is_some_and(|column| !is_void(column))
+                || item.starts_with("Cartn_")
+                || item.starts_with("fract_")
+        };
+        found.filter(|&index| self.prepare(&self.columns[index]) && has_values(index)).unwrap_or(ABSENT)
     }
 
-    /// What the file claims, once a column was found to have as many values; 0 before.
+    /// What the file claims, if a column has as many values; else 0.
     fn row_count(&self) -> usize {
-        let proven = self.columns.iter().any(|column| matches!(column.decoded.get(), Some(Some(_))));
+        let decoded = |column: &LazyColumn<'_>| matches!(column.decoded.get(), Some(Some(_)));
+        let proven = self.columns.iter().any(decoded) || self.columns.iter().any(|column| self.prepare(column));
         if proven { self.rows } else { 0 }
     }
 

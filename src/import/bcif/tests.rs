@@ -221,6 +221,23 @@ fn a_file_is_read_as_its_text_would_be() {
 }
 
 #[test]
+fn what_stands_around_the_atoms_is_read() {
+    let numbers = |value: f64| data(&Source::Floats(vec![value]), &[Step::FixedPoint(100.0), Step::ByteArray(3)]);
+    let names = ["length_a", "length_b", "length_c", "angle_alpha", "angle_beta", "angle_gamma"];
+    let columns: Vec<Packer> = names
+        .iter()
+        .zip([10.0, 11.0, 12.5, 90.0, 90.0, 90.0])
+        .map(|(name, value)| column(name, &numbers(value), None))
+        .collect();
+    let title = texts(&[Some("a test")], &BYTES_3, &BYTES_3, Unit::Bytes);
+    let categories =
+        [category("_cell", 1, &columns), category("_struct", 1, &[column("title", &title, None)]), atom_site()];
+    let document = read(&file(&categories)).unwrap();
+    let first = &document.records[0];
+    assert_eq!((first.title(), first.cell().unwrap().lengths()), ("a test", [10.0, 11.0, 12.5]));
+}
+
+#[test]
 fn a_column_that_is_wrong_is_named() {
     let mut bytes = file(&[atom_site()]);
     let at = bytes.windows(7).position(|window| window == b"Cartn_y").unwrap();

@@ -127,7 +127,10 @@ impl<'a> Whole<'a> {
     /// Reads a chunk behind all that was read.
     fn scan_on(&mut self, chunk: &'a [u8]) -> Scan<'a> {
         let fresh = self.atoms.fresh();
-        chunks::scan(chunk, std::mem::replace(&mut self.atoms, fresh), self.most)
+        let mut reader = std::mem::replace(&mut self.atoms, fresh);
+        // Lines of a chunk are counted from its own first one; what was noted before is not of this chunk.
+        self.atoms.oddities = std::mem::take(&mut reader.oddities);
+        chunks::scan(chunk, reader, self.most)
     }
 
     /// Whether a chunk was read as it would have been behind all that was read.

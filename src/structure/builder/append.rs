@@ -61,6 +61,7 @@ impl StructureBuilder {
         self.points = other.points;
         self.atom_name = other.atom_name;
         self.serial = other.serial;
+        self.states_serials = other.states_serials;
         self.residue_of_atom = other.residue_of_atom;
         self.flags = other.flags;
         self.altloc = other.altloc;
@@ -106,7 +107,10 @@ impl StructureBuilder {
     fn append_serials(&mut self, other: &StructureBuilder) {
         let (before, added) = (self.element.len(), other.element.len());
         let counted = |index: usize| i32::try_from(index + 1).unwrap_or(i32::MAX);
-        let serial = |index: usize| other.serial.get(index).copied().unwrap_or(counted(index));
+        // Without a column they are 1, 2, 3, … there, if that was said, else whatever counting on gives.
+        let start = if other.states_serials { 0 } else { before };
+        let serial = |index: usize| other.serial.get(index).copied().unwrap_or(counted(start + index));
+        self.states_serials |= other.states_serials;
         let is_counted = (0..added).all(|index| serial(index) == counted(before + index));
         if self.serial.is_empty() && is_counted {
             return;
@@ -180,6 +184,7 @@ mod tests {
             builder.append(part, false);
         }
         let structure = build(builder);
-        assert_eq!((structure.atom_count(), structure.residues().len()), (2, 0));
+        assert_eq!((structure.atom_count(), structure.residues().len(), structure.serial(1)), (2, 0, 2));
+        assert!(structure.serial.is_empty());
     }
 }
