@@ -59,8 +59,14 @@ impl Element {
     /// else 0 (not stated).
     #[must_use]
     pub fn from_symbol_isotope(symbol: &str) -> Option<(Element, u16)> {
-        let bytes = symbol.as_bytes();
-        let (first, second) = match *bytes {
+        Self::from_symbol_bytes(symbol.as_bytes())
+    }
+
+    /// As [`Element::from_symbol_isotope`], of the bytes of a text.
+    #[must_use]
+    #[inline]
+    pub fn from_symbol_bytes(symbol: &[u8]) -> Option<(Element, u16)> {
+        let (first, second) = match *symbol {
             [a] => (a.to_ascii_uppercase(), 0),
             [a, b] => (a.to_ascii_uppercase(), b.to_ascii_lowercase()),
             _ => return None,

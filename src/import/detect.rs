@@ -5,7 +5,7 @@
 
 use super::number::{parse_f64, parse_i64};
 use super::text::{Lines, columns, is_blank_line, words};
-use super::{Format, sdf};
+use super::{Format, cube, gro, poscar, sdf};
 use crate::error::{Error, Result};
 use crate::structure::Diagnostics;
 
@@ -22,24 +22,22 @@ pub(super) enum Detected {
 
 /// The format of normalised text.
 pub(super) fn detect(text: &[u8], name_hint: &str, diagnostics: &mut Diagnostics) -> Result<Detected> {
-    let by_name = extension(name_hint).and_then(|extension| Format::from_name(&extension));
+    let by_name = format_of_name(name_hint);
     if text.trim_ascii().is_empty() {
         return Err(Error::input(None, "the file is empty"));
     }
     let by_content = by_content(text)?;
     match (by_content, by_name) {
         (Some(Detected::Json), _) => Ok(Detected::Json),
-        (Some(found @ Detected::Format(format)), named) => {
-            // Both kinds of CIF go by the extension `cif`.
-            let cif = |format| matches!(format, Format::Cif | Format::Mmcif);
-            if let Some(named) = named.filter(|&named| named != format && !(cif(named) && cif(format))) {
-                diagnostics
-                    .warn(None, format!("the name says {named}, but the content is {format} and is read as that"));
-            }
+        (Some(found @ Detected::Format(format)), _) => {
+            warn_of_name(format, name_hint, diagnostics);
             Ok(found)
         }
         (None, Some(named)) if named.is_json() => {
             Err(Error::input(1, "the name says JSON, but the content does not begin with `{`"))
+        }
+        (None, Some(Format::BinaryCif)) => {
+            Err(Error::input(None, "the name says BinaryCIF, but the content does not begin as such a file does"))
         }
         (None, _) if looks_binary(text) => {
             Err(Error::input(None, "this is a binary file, not a molecule file in text form"))
@@ -47,16 +45,32 @@ pub(super) fn detect(text: &[u8], name_hint: &str, diagnostics: &mut Diagnostics
         (None, Some(named)) => Ok(Detected::Format(named)),
         (None, None) => Err(Error::input(
             None,
-            "neither the content nor the name tells the format; name it (pdb, xyz, sdf, mol2, mmcif, cif, json, cjson, …)",
+            "neither the content nor the name tells the format; name it (pdb, mmcif, bcif, cif, xyz, sdf, mol2, poscar, cube, gro, json, …)",
         )),
     }
 }
 
-/// The extension, in lower case, below those of compression.
-fn extension(name: &str) -> Option<String> {
+/// Warns if the name says another format than the content.
+pub(super) fn warn_of_name(format: Format, name_hint: &str, diagnostics: &mut Diagnostics) {
+    // Both kinds of CIF go by the extension `cif`.
+    let cif = |format| matches!(format, Format::Cif | Format::Mmcif);
+    let odd = |&named: &Format| named != format && !(cif(named) && cif(format));
+    if let Some(named) = format_of_name(name_hint).filter(odd) {
+        diagnostics.warn(None, format!("the name says {named}, but the content is {format} and is read as that"));
+    }
+}
+
+/// The format of a file name: by its extension, below those of compression, or as VASP names its files (`POSCAR`,
+/// `CONTCAR.relaxed`, `bulk_POSCAR`).
+fn format_of_name(name: &str) -> Option<Format> {
     let name = name.to_ascii_lowercase();
-    let name = [".gz", ".gzip", ".zst"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(&name);
-    name.rsplit_once('.').map(|(_, extension)| extension.to_owned())
+    let name = [".gz", ".gzip", ".zst", ".zstd"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(&name);
+    let by_extension = name.rsplit_once('.').and_then(|(_, extension)| Format::from_name(extension));
+    by_extension.or_else(|| {
+        let of_vasp =
+            ["poscar", "contcar", "xdatcar"].iter().any(|word| name.starts_with(word) || name.ends_with(word));
+        of_vasp.then_some(Format::Poscar)
+    })
 }
 
 fn looks_binary(text: &[u8]) -> bool {
@@ -82,6 +96,16 @@ fn by_content(text: &[u8]) -> Result<Option<Detected>> {
     }
     if let Some(format) = unread_format(&lines) {
         return Err(Error::Unsupported(format!("this is a file in {format} format, which is not read")));
+    }
+    // Before XYZ: a GRO file without a title has its number of atoms first as well.
+    if gro::is_gro(&lines) {
+        return Ok(Some(Detected::Format(Format::Gro)));
+    }
+    if cube::is_cube(&lines) {
+        return Ok(Some(Detected::Format(Format::Cube)));
+    }
+    if poscar::is_poscar(&lines) {
+        return Ok(Some(Detected::Format(Format::Poscar)));
     }
     if is_xyz(&lines) {
         return Ok(Some(Detected::Format(Format::Xyz)));
@@ -162,6 +186,13 @@ mod tests {
                 assert_eq!(run(text, name).unwrap(), Detected::Format(format), "{text} {name}");
             }
         }
+        let gro = "\n1\n    1SOL     OW    1   0.126   1.624   1.679\n1 1 1\n";
+        assert_eq!(run(gro, "a.xyz").unwrap(), Detected::Format(Format::Gro));
+        let poscar = "rutile\n1.0\n4 0 0\n0 4 0\n0 0 3\nTi O\n1 2\nDirect\n0 0 0\n";
+        assert_eq!(run(poscar, "a.xyz").unwrap(), Detected::Format(Format::Poscar));
+        assert_eq!(run(&poscar.replace("Ti O\n", ""), "").unwrap(), Detected::Format(Format::Poscar));
+        let cube = "a\nb\n1 0 0 0\n2 1 0 0\n2 0 1 0\n2 0 0 1\n1 1.0 0 0 0\n";
+        assert_eq!(run(cube, "").unwrap(), Detected::Format(Format::Cube));
         assert_eq!(run(" {\"atoms\": []}", "a.pdb").unwrap(), Detected::Json);
         for (text, format) in [
             ("# x\n\nDATA_1abc\n_entry.id 1abc\n", Format::Mmcif),
@@ -182,6 +213,9 @@ mod tests {
     #[test]
     fn the_name_decides_where_the_content_is_open() {
         assert_eq!(run("odd", "a.ent.GZ").unwrap(), Detected::Format(Format::Pdb));
+        for name in ["POSCAR", "CONTCAR.relaxed", "bulk_POSCAR.gz", "a.vasp", "XDATCAR"] {
+            assert_eq!(run("odd", name).unwrap(), Detected::Format(Format::Poscar), "{name}");
+        }
         assert!(run("odd", "a.txt").is_err());
         assert!(run("odd", "a.json").is_err());
     }

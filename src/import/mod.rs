@@ -9,14 +9,18 @@
 //!
 //! Limits: the whole file is held in memory while it is read.
 
+mod bcif;
 mod cif;
 mod collect;
+mod cube;
 mod decompress;
 mod detect;
+mod gro;
 mod json;
 mod mol2;
 mod number;
 mod pdb;
+mod poscar;
 mod sdf;
 mod symbol;
 mod text;
@@ -84,6 +88,14 @@ pub enum Format {
     Mmcif,
     /// CIF of small molecules and crystals.
     Cif,
+    /// BinaryCIF: mmCIF with encoded columns in MessagePack.
+    BinaryCif,
+    /// VASP's POSCAR, CONTCAR and XDATCAR.
+    Poscar,
+    /// Gaussian cube (the atoms).
+    Cube,
+    /// GROMACS structures.
+    Gro,
     /// Our own JSON.
     BallstickJson,
     /// Chemical JSON (Avogadro).
@@ -100,13 +112,17 @@ pub enum Format {
 
 impl Format {
     /// All formats.
-    pub const ALL: [Format; 12] = [
+    pub const ALL: [Format; 16] = [
         Format::Pdb,
         Format::Xyz,
         Format::Sdf,
         Format::Mol2,
         Format::Mmcif,
         Format::Cif,
+        Format::BinaryCif,
+        Format::Poscar,
+        Format::Cube,
+        Format::Gro,
         Format::BallstickJson,
         Format::ChemicalJson,
         Format::ImoleculeJson,
@@ -139,6 +155,10 @@ impl Format {
             Format::Mol2 => "mol2",
             Format::Mmcif => "mmcif",
             Format::Cif => "cif",
+            Format::BinaryCif => "bcif",
+            Format::Poscar => "poscar",
+            Format::Cube => "cube",
+            Format::Gro => "gro",
             Format::BallstickJson => "json",
             Format::ChemicalJson => "cjson",
             Format::ImoleculeJson => "imolecule",
@@ -167,6 +187,8 @@ impl Format {
             "extxyz" | "exyz" => Some(Format::Xyz),
             "mol" | "sd" | "mdl" => Some(Format::Sdf),
             "ml2" | "sy2" => Some(Format::Mol2),
+            "vasp" | "contcar" | "xdatcar" => Some(Format::Poscar),
+            "cub" => Some(Format::Cube),
             // Magnetic structures.
             "mcif" => Some(Format::Cif),
             _ => Format::ALL.into_iter().find(|format| format.name() == name),
@@ -277,6 +299,12 @@ fn read_plain(
     options: &ImportOptions,
     mut diagnostics: Diagnostics,
 ) -> Result<Document> {
+    if options.format == Some(Format::BinaryCif) || options.format.is_none() && bcif::is_binary_cif(bytes) {
+        detect::warn_of_name(Format::BinaryCif, name_hint, &mut diagnostics);
+        let mut records = collect::Records::new(&options.limits);
+        bcif::read(bytes, &mut records, &mut diagnostics)?;
+        return records.finish(Format::BinaryCif, diagnostics);
+    }
     let text = text::normalise(bytes, &mut diagnostics);
     let format = match options.format {
         Some(format) => detect::Detected::Format(format),
@@ -302,12 +330,28 @@ fn read_plain(
             format
         }
         detect::Detected::Format(Format::Mmcif | Format::Cif) => cif::read(&text, &mut records, &mut diagnostics)?,
+        detect::Detected::Format(format @ Format::BinaryCif) => {
+            bcif::read(bytes, &mut records, &mut diagnostics)?;
+            format
+        }
         detect::Detected::Format(format @ Format::Sdf) => {
             sdf::read(&text, &mut records, &mut diagnostics)?;
             format
         }
         detect::Detected::Format(format @ Format::Mol2) => {
             mol2::read(&text, &mut records, &mut diagnostics)?;
+            format
+        }
+        detect::Detected::Format(format @ Format::Poscar) => {
+            poscar::read(&text, &mut records, &mut diagnostics)?;
+            format
+        }
+        detect::Detected::Format(format @ Format::Cube) => {
+            cube::read(&text, &mut records, &mut diagnostics)?;
+            format
+        }
+        detect::Detected::Format(format @ Format::Gro) => {
+            gro::read(&text, &mut records, &mut diagnostics)?;
             format
         }
     };

@@ -40,9 +40,7 @@ impl Label {
 /// Reads a label: a symbol in any case, an atomic number, a symbol with a number or more behind it.
 #[inline]
 pub(super) fn read_label(label: &[u8]) -> Label {
-    if label.len() <= 2
-        && let Some((element, isotope)) = std::str::from_utf8(label).ok().and_then(Element::from_symbol_isotope)
-    {
+    if let Some((element, isotope)) = Element::from_symbol_bytes(label) {
         return Label::new(element, isotope, LabelKind::Symbol);
     }
     read_odd_label(label)
@@ -61,7 +59,7 @@ fn read_odd_label(label: &[u8]) -> Label {
         };
     }
     let letters = &label[..label.iter().position(|byte| !byte.is_ascii_alphabetic()).unwrap_or(label.len())];
-    let symbol = |text: &[u8]| std::str::from_utf8(text).ok().and_then(Element::from_symbol_isotope);
+    let symbol = Element::from_symbol_bytes;
     if let Some((element, isotope)) = symbol(letters) {
         return Label::new(element, isotope, LabelKind::Name);
     }

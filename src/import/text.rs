@@ -191,6 +191,12 @@ impl Repeated {
         self.count = count;
     }
 
+    /// The same, with lines counted from so many lines earlier on.
+    pub(super) fn shifted(mut self, lines: u64) -> Repeated {
+        self.first_line += lines;
+        self
+    }
+
     /// The message with how often, and the line of the first; `None` if there was none.
     pub(super) fn message(&self) -> Option<(u64, String)> {
         let times = if self.count > 1 { format!(" ({} times, this is the first)", self.count) } else { String::new() };

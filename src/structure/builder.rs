@@ -2,6 +2,8 @@
 
 mod append;
 
+use super::names::RecentNames;
+use super::positions::Points;
 use super::{
     Bond, BondStereo, Cell, ComponentBonds, Diagnostics, Frame, NameId, Names, Positions, Residue, SecondaryElement,
     StatedBonds, StereoMark, Structure, Symmetry, VectorField, bond,
@@ -66,10 +68,13 @@ impl Default for AtomRecord<'_> {
 pub struct StructureBuilder {
     title: String,
     names: Names,
+    recent: RecentNames,
     element: Vec<Element>,
-    points: Vec<DVec3>,
+    points: Points,
     atom_name: Vec<NameId>,
     serial: Vec<i32>,
+    /// Whether any atom came with a serial number.
+    states_serials: bool,
     residue_of_atom: Vec<u32>,
     flags: Vec<u8>,
     altloc: Vec<u8>,
@@ -137,6 +142,16 @@ impl StructureBuilder {
         self.residue_of_atom.reserve(atoms);
     }
 
+    fn intern(&mut self, text: &str) -> NameId {
+        self.recent.intern(&mut self.names, text.as_bytes())
+    }
+
+    /// The id of a name for [`StructureBuilder::push_named_atom`]; what is no UTF-8 in it becomes U+FFFD.
+    #[inline]
+    pub fn name_id(&mut self, text: &[u8]) -> NameId {
+        if text.is_empty() { NameId::default() } else { self.recent.intern(&mut self.names, text) }
+    }
+
     /// Adds an atom and returns its index. A residue that differs from the last atom's starts a new one.
     pub fn push_atom(&mut self, atom: &AtomRecord<'_>) -> u32 {
         let index = self.element.len();
@@ -153,8 +168,8 @@ impl StructureBuilder {
     pub fn begin_residue(&mut self, chain: &str, number: i32, insertion_code: u8, name: &str) {
         let index = self.element.len();
         self.name_atoms_without_residue(index);
-        let name = self.names.intern(name);
-        let chain = self.names.intern(chain);
+        let name = self.intern(name);
+        let chain = self.intern(chain);
         let chain = self.chain_index(chain);
         let first_atom = u32::try_from(index).unwrap_or(u32::MAX);
         self.residues.push(Residue { name, number, insertion_code, chain, first_atom });
@@ -170,15 +185,36 @@ impl StructureBuilder {
         self.push_columns(index, atom)
     }
 
-    fn push_columns(&mut self, index: usize, atom: &AtomRecord<'_>) -> u32 {
-        self.element.push(atom.element);
-        self.points.push(atom.position);
-        if !self.atom_name.is_empty() || !atom.name.is_empty() {
-            let name = self.names.intern(atom.name);
+    /// As [`StructureBuilder::push_residue_atom`], its name given as an id of this builder's ([`StructureBuilder::name_id`]).
+    #[inline]
+    pub fn push_named_atom(&mut self, atom: &AtomRecord<'_>, name: NameId) -> u32 {
+        let index = self.element.len();
+        if self.residues.is_empty() {
+            self.begin_residue("", 0, b' ', "");
+        }
+        self.residue_of_atom.push(u32::try_from(self.residues.len() - 1).unwrap_or(u32::MAX));
+        if !self.atom_name.is_empty() || name != NameId::default() {
             self.atom_name.resize(index, NameId::default());
             self.atom_name.push(name);
         }
+        self.push_values(index, atom)
+    }
+
+    fn push_columns(&mut self, index: usize, atom: &AtomRecord<'_>) -> u32 {
+        if !self.atom_name.is_empty() || !atom.name.is_empty() {
+            let name = self.intern(atom.name);
+            self.atom_name.resize(index, NameId::default());
+            self.atom_name.push(name);
+        }
+        self.push_values(index, atom)
+    }
+
+    #[inline]
+    fn push_values(&mut self, index: usize, atom: &AtomRecord<'_>) -> u32 {
+        self.element.push(atom.element);
+        self.points.push(atom.position);
         let counted = i32::try_from(index + 1).unwrap_or(i32::MAX);
+        self.states_serials |= atom.serial.is_some();
         if !self.serial.is_empty() || atom.serial.is_some_and(|serial| serial != counted) {
             while self.serial.len() < index {
                 self.serial.push(i32::try_from(self.serial.len() + 1).unwrap_or(i32::MAX));
@@ -200,9 +236,18 @@ impl StructureBuilder {
     }
 
     fn push_residue(&mut self, index: usize, (chain, number, insertion_code, name): (&str, i32, u8, &str)) {
+        self.enter_residue(chain.as_bytes(), number, insertion_code, name.as_bytes());
+        debug_assert_eq!(self.residue_of_atom.len(), index);
+        self.residue_of_atom.push(u32::try_from(self.residues.len() - 1).unwrap_or(u32::MAX));
+    }
+
+    /// Starts a residue for the atoms that follow, unless it is the last one: chain, number, insertion code and name
+    /// tell. What is no UTF-8 in names becomes U+FFFD.
+    pub fn enter_residue(&mut self, chain: &[u8], number: i32, insertion_code: u8, name: &[u8]) {
+        let index = self.element.len();
         self.name_atoms_without_residue(index);
-        let name = self.names.intern(name);
-        let chain_name = self.names.intern(chain);
+        let name = self.recent.intern(&mut self.names, name);
+        let chain_name = self.recent.intern(&mut self.names, chain);
         let same = self.residues.last().is_some_and(|last| {
             last.name == name
                 && last.number == number
@@ -214,13 +259,12 @@ impl StructureBuilder {
             let first_atom = u32::try_from(index).unwrap_or(u32::MAX);
             self.residues.push(Residue { name, number, insertion_code, chain, first_atom });
         }
-        self.residue_of_atom.push(u32::try_from(self.residues.len() - 1).unwrap_or(u32::MAX));
     }
 
     /// Before the first atom with a residue: the atoms without one form one unnamed residue.
     fn name_atoms_without_residue(&mut self, index: usize) {
         if self.residue_of_atom.len() < index {
-            let unnamed = self.names.intern("");
+            let unnamed = self.intern("");
             let chain = self.chain_index(unnamed);
             self.residues.push(Residue { name: unnamed, number: 0, insertion_code: b' ', chain, first_atom: 0 });
             self.residue_of_atom.resize(index, 0);
@@ -244,10 +288,7 @@ impl StructureBuilder {
     /// (fractional coordinates are placed once the cell is known).
     #[must_use]
     pub fn map_positions(&mut self, place: impl Fn(DVec3) -> DVec3, is_sound: impl Fn(DVec3) -> bool) -> bool {
-        self.points.iter_mut().all(|point| {
-            *point = place(*point);
-            is_sound(*point)
-        })
+        self.points.map(place, is_sound)
     }
 
     /// Replaces the formal charge of an atom (property lines come after the atoms in some formats).
@@ -347,7 +388,7 @@ impl StructureBuilder {
     /// Finishes. Digits that had to be dropped are warned of.
     #[must_use]
     pub fn build(self, diagnostics: &mut Diagnostics) -> Structure {
-        let (positions, lost) = Positions::from_f64(&self.points, self.decimals);
+        let (positions, lost) = self.points.into_positions(self.decimals);
         if lost || self.digits_lost {
             let message = "positions have more digits than can be kept (atoms millions of ångström apart); the last ones are rounded";
             diagnostics.warn(None, message);

@@ -69,6 +69,14 @@ impl Diagnostics {
         }
     }
 
+    /// Adds those of a part that was read on its own, behind these.
+    pub fn append(&mut self, later: Diagnostics) {
+        for diagnostic in later.list {
+            self.push(diagnostic.severity, diagnostic.line, diagnostic.message);
+        }
+        self.suppressed += later.suppressed;
+    }
+
     /// Whether there is nothing to say.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -99,5 +107,15 @@ mod tests {
         let list = diagnostics.into_list();
         assert_eq!(list.len(), Diagnostics::MAX_KEPT + 1);
         assert_eq!(list[100].message, "150 more like these");
+        let (mut all, mut parts) = (Diagnostics::default(), Diagnostics::default());
+        for part in 0..3 {
+            let mut own = Diagnostics::default();
+            for line in 0..part * 80 {
+                all.warn(Some(line), "odd");
+                own.warn(Some(line), "odd");
+            }
+            parts.append(own);
+        }
+        assert_eq!(parts.into_list(), all.into_list());
     }
 }

@@ -78,6 +78,38 @@ impl Names {
     }
 }
 
+/// The names met last, in front of [`Names`]: looking one up here costs a multiplication.
+#[derive(Debug, Clone, Default)]
+pub(super) struct RecentNames {
+    /// Key and id, by the key's hash; empty until the first name comes.
+    slots: Vec<(u64, NameId)>,
+}
+
+impl RecentNames {
+    const BITS: u32 = 7;
+
+    /// The id of a name, which is added to `names` if need be. What is no UTF-8 in it becomes U+FFFD.
+    #[inline]
+    pub(super) fn intern(&mut self, names: &mut Names, text: &[u8]) -> NameId {
+        // Up to seven bytes and their number, so that none is 0, which an empty slot has.
+        let length = text.len();
+        if !(1..=7).contains(&length) {
+            return names.intern(&String::from_utf8_lossy(text));
+        }
+        let key = text.iter().rev().fold(length as u64, |key, &byte| (key << 8) | u64::from(byte));
+        let slot = (key.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> (64 - Self::BITS)) as usize;
+        if let Some(&(found, id)) = self.slots.get(slot)
+            && found == key
+        {
+            return id;
+        }
+        self.slots.resize(1 << Self::BITS, (0, NameId::default()));
+        let id = names.intern(&String::from_utf8_lossy(text));
+        self.slots[slot] = (key, id);
+        id
+    }
+}
+
 /// The bytes of a name as a number, if they fit and none is zero (so that different names differ).
 #[inline]
 fn short_key(text: &str) -> Option<u64> {
@@ -121,6 +153,20 @@ impl Hasher for ShortHasher {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn recent_names_are_the_names() {
+        let (mut names, mut recent) = (Names::default(), RecentNames::default());
+        let texts: Vec<String> = (0..500).map(|n| format!("{}", n * 37 % 251)).collect();
+        for text in texts.iter().map(String::as_str).chain(["", "\0", "\0\0", "longer than seven", "é"]) {
+            let id = recent.intern(&mut names, text.as_bytes());
+            assert_eq!(recent.intern(&mut names, text.as_bytes()), id);
+            assert_eq!(names.get(id), text);
+        }
+        assert_eq!(names.texts().count(), 251 + 5);
+        let id = recent.intern(&mut names, b"\xff");
+        assert_eq!(names.get(id), "\u{fffd}");
+    }
 
     #[test]
     fn names_are_interned_once_and_read_back() {

@@ -26,28 +26,9 @@ impl Positions {
     /// The origin is the centre of the bounds rounded to a multiple of 1024 Å, so it is 0 for all but displaced molecules.
     #[must_use]
     pub fn from_f64(points: &[DVec3], decimals: u8) -> (Positions, bool) {
-        let decimals = decimals.min(Self::MAX_DECIMALS);
-        let (low, high) = points
-            .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &point| (low.min(point), high.max(point)));
-        let centre = if points.is_empty() { DVec3::ZERO } else { (low + high) * 0.5 };
-        let origin = (centre / 1024.0).round() * 1024.0;
-        let reach = if points.is_empty() { 0.0 } else { (low - origin).abs().max((high - origin).abs()).max_element() };
-        let steps = reach * 10f64.powi(i32::from(decimals));
-        // Half a unit of the last written digit must survive rounding to nearest.
-        let fits_f32 = steps < 2f64.powi(23);
-        let coarse: Vec<Vec3> = points.iter().map(|&point| (point - origin).as_vec3()).collect();
-        let fine = if fits_f32 {
-            Vec::new()
-        } else {
-            points.iter().zip(&coarse).map(|(&point, coarse)| point - origin - coarse.as_dvec3()).collect()
-        };
-        let positions = Positions { origin, coarse, fine, decimals };
-        // Only a molecule spread over thousands of ångström about its origin can lose what f64 held.
-        let half_unit = 0.5 * 10f64.powi(-i32::from(decimals));
-        let differs = |(atom, &point): (usize, &DVec3)| (positions.get(atom) - point).abs().max_element() >= half_unit;
-        let lost = !fits_f32 && points.iter().enumerate().any(differs);
-        (positions, lost)
+        let mut all = Points::default();
+        points.iter().for_each(|&point| all.push(point));
+        all.into_positions(decimals)
     }
 
     /// Number of atoms.
@@ -94,6 +75,85 @@ impl Positions {
         let position = self.get(atom);
         let rounded = (position * scale).round() / scale;
         if self.decimals >= Self::MAX_DECIMALS || !rounded.is_finite() { position } else { rounded }
+    }
+}
+
+/// Positions as they are read, which become [`Positions`] in the memory they are in: a file of nothing but positions
+/// takes at its peak what the f64 take, not that and the result.
+#[derive(Debug, Default)]
+pub(super) struct Points {
+    /// The bits of each position in two halves, so that either half has room for a position in f32.
+    halves: Vec<[u32; 3]>,
+}
+
+impl Points {
+    pub(super) fn len(&self) -> usize {
+        self.halves.len() / 2
+    }
+
+    pub(super) fn reserve(&mut self, points: usize) {
+        self.halves.reserve(points.saturating_mul(2));
+    }
+
+    #[inline]
+    pub(super) fn push(&mut self, point: DVec3) {
+        let halves: [[u32; 3]; 2] = bytemuck::cast(point.to_array());
+        self.halves.extend_from_slice(&halves);
+    }
+
+    pub(super) fn append(&mut self, other: &Points) {
+        self.halves.extend_from_slice(&other.halves);
+    }
+
+    #[inline]
+    fn get(&self, index: usize) -> DVec3 {
+        let halves = [self.halves[2 * index], self.halves[2 * index + 1]];
+        DVec3::from_array(bytemuck::cast(halves))
+    }
+
+    /// Replaces each; `false` at the first that `keeps` does not hold for.
+    pub(super) fn map(&mut self, map: impl Fn(DVec3) -> DVec3, keeps: impl Fn(DVec3) -> bool) -> bool {
+        (0..self.len()).all(|index| {
+            let point = map(self.get(index));
+            let halves: [[u32; 3]; 2] = bytemuck::cast(point.to_array());
+            self.halves[2 * index..2 * index + 2].copy_from_slice(&halves);
+            keeps(point)
+        })
+    }
+
+    /// As [`Positions::from_f64`].
+    pub(super) fn into_positions(mut self, decimals: u8) -> (Positions, bool) {
+        let decimals = decimals.min(Positions::MAX_DECIMALS);
+        let count = self.len();
+        let (low, high) = (0..count)
+            .map(|index| self.get(index))
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), point| (low.min(point), high.max(point)));
+        let centre = if count == 0 { DVec3::ZERO } else { (low + high) * 0.5 };
+        let origin = (centre / 1024.0).round() * 1024.0;
+        let reach = if count == 0 { 0.0 } else { (low - origin).abs().max((high - origin).abs()).max_element() };
+        let steps = reach * 10f64.powi(i32::from(decimals));
+        // Half a unit of the last written digit must survive rounding to nearest.
+        let fits_f32 = steps < 2f64.powi(23);
+        // Only a molecule spread over thousands of ångström about its origin can lose what f64 held.
+        let half_unit = 0.5 * 10f64.powi(-i32::from(decimals));
+        let mut lost = false;
+        let mut fine = Vec::with_capacity(if fits_f32 { 0 } else { count });
+        for index in 0..count {
+            let point = self.get(index);
+            let coarse = (point - origin).as_vec3();
+            if !fits_f32 {
+                let rest = point - origin - coarse.as_dvec3();
+                let kept = origin + (coarse.as_dvec3() + rest);
+                lost |= (kept - point).abs().max_element() >= half_unit;
+                fine.push(rest);
+            }
+            // What stood here was read before.
+            self.halves[index] = bytemuck::cast(coarse.to_array());
+        }
+        self.halves.truncate(count);
+        self.halves.shrink_to_fit();
+        let coarse: Vec<Vec3> = bytemuck::allocation::cast_vec(self.halves);
+        (Positions { origin, coarse, fine, decimals }, lost)
     }
 }
 

@@ -20,14 +20,14 @@
 //!
 //! Not read: anisotropic displacements, assemblies (`_pdbx_struct_assembly`), bonds to symmetry mates.
 
-mod atoms;
-mod block;
+pub(super) mod atoms;
+pub(super) mod block;
 mod component;
 mod crystal;
 mod label;
 mod links;
 mod rows;
-mod table;
+pub(super) mod table;
 mod text;
 mod token;
 

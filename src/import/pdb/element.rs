@@ -18,10 +18,10 @@ pub(in crate::import) struct Guess {
 
 impl Guess {
     const UNKNOWN: Guess = Guess { element: Element::DUMMY, isotope: 0, particle: false };
-    const PARTICLE: Guess = Guess { element: Element::DUMMY, isotope: 0, particle: true };
+    pub(in crate::import) const PARTICLE: Guess = Guess { element: Element::DUMMY, isotope: 0, particle: true };
 
     pub(super) fn of(symbol: &[u8]) -> Option<Guess> {
-        let (element, isotope) = Element::from_symbol_isotope(std::str::from_utf8(symbol).ok()?)?;
+        let (element, isotope) = Element::from_symbol_bytes(symbol)?;
         Some(Guess { element, isotope, particle: false })
     }
 }
@@ -195,6 +195,12 @@ pub(in crate::import) fn guess(name: &[u8], residue: &[u8], aligned: impl FnOnce
     }
     if let Some(ion) = force_field_ion(trimmed).filter(|_| residue == trimmed || residue == b"ION") {
         return Guess::of(ion).unwrap_or(Guess::UNKNOWN);
+    }
+    if residue == b"ION"
+        && letters.len() <= 2
+        && let Some(ion) = Guess::of(letters)
+    {
+        return ion; // NA, CL- in GROMOS topologies
     }
     let residue_letters = self::letters(residue);
     if residue_letters.eq_ignore_ascii_case(letters)

@@ -1,11 +1,10 @@
 //! The columns of an atom line, and where they run over.
 
 use super::super::is_plausible;
-use super::super::number::parse_f64;
-use super::super::text::{columns, field, lossy, shown};
+use super::super::number::column_f64;
+use super::super::text::{columns, field, shown};
 use super::element;
 use glam::DVec3;
-use std::borrow::Cow;
 
 /// The position and its most decimals; `None` if a coordinate is missing, no number, or absurd.
 #[inline]
@@ -13,9 +12,9 @@ pub(super) fn position(line: &[u8]) -> Option<(DVec3, u8)> {
     if line.len() < 47 {
         return None;
     }
-    let (x, x_decimals) = parse_f64(field(line, 30, 38))?;
-    let (y, y_decimals) = parse_f64(field(line, 38, 46))?;
-    let (z, z_decimals) = parse_f64(field(line, 46, 54))?;
+    let (x, x_decimals) = column_f64(line, 30, 38)?;
+    let (y, y_decimals) = column_f64(line, 38, 46)?;
+    let (z, z_decimals) = column_f64(line, 46, 54)?;
     let position = DVec3::new(x, y, z);
     is_plausible(position).then_some((position, x_decimals.max(y_decimals).max(z_decimals)))
 }
@@ -41,14 +40,6 @@ pub(super) fn residue_and_chain(line: &[u8]) -> (&[u8], &[u8]) {
     (field(line, 17, 21), field(line, 21, 22))
 }
 
-#[inline]
-pub(super) fn text_of(bytes: &[u8]) -> Cow<'_, str> {
-    match std::str::from_utf8(bytes) {
-        Ok(text) => Cow::Borrowed(text),
-        Err(_) => lossy(bytes),
-    }
-}
-
 /// A formal charge: a digit and a sign in either order, or a sign alone. Anything else is 0: without a sign it is the
 /// line number of an old file.
 #[inline]
@@ -56,6 +47,7 @@ pub(super) fn charge(text: &[u8]) -> i8 {
     let (digit, sign) = match *text {
         [digit @ b'0'..=b'9', sign] => (digit, sign),
         [sign @ (b'+' | b'-'), digit @ b'0'..=b'9'] => (digit, sign),
+        [b' ', b' '] => return 0,
         [sign @ (b'+' | b'-'), b' '] | [b' ', sign] | [sign] => (b'1', sign),
         _ => return 0,
     };

@@ -14,47 +14,81 @@
 //! - ENDMDL without MODEL, END between models, models with differing atoms (they become records of their own);
 //! - CRYST1 of 1 × 1 × 1 Å is no cell (the placeholder of structures without one).
 //!
+//! Large files are read in chunks at the same time ([`chunks`]); the result does not depend on that.
+//!
 //! Not read: bonds to symmetry mates (they have no atoms here), SCALE and ORIGX, ANISOU, hydrogen bonds of old CONECT.
 
+mod atoms;
 mod bonds;
+mod chunks;
 pub(super) mod element;
 mod fields;
 mod number;
 
 use super::collect::Records;
 use super::number::{parse_f64, parse_i64};
-use super::text::{Lines, Repeated, columns, field, lossy, shown};
+use super::text::{Repeated, columns, field, lossy, shown};
 use crate::error::{Error, Result};
-use crate::structure::{
-    AtomRecord, Cell, Diagnostics, SecondaryElement, StatedBonds, StructureBuilder, Symmetry, atom_flags,
-};
+use crate::structure::{Cell, Diagnostics, SecondaryElement, StatedBonds, StructureBuilder, Symmetry};
+use atoms::{AtomReader, Numbers};
 use bonds::{Budget, Conect, Link, LinkEnd, Serial};
-use element::Guess;
-use fields::{charge, no_position_message, position, residue_and_chain, text_of};
+use chunks::{Event, Most, Scan};
 use number::NumberColumn;
+use rayon::prelude::*;
+use std::sync::OnceLock;
 
 pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
-    let mut lines = Lines::new(text, records.limits().line_bytes);
-    let mut reader = Reader::new(text);
-    while let Some(line) = lines.next() {
-        let number = lines.number();
-        match columns(line, 0, 6) {
-            [b'A', b'T', b'O', b'M', b' ' | b'0'..=b'9', b' ' | b'0'..=b'9'] => reader.atom(line, number, 0),
-            b"HETATM" => reader.atom(line, number, atom_flags::HETERO),
-            // Everything else begins neither with these nor, in a large file, is there much of it.
-            record => {
-                reader.other_record(record.trim_ascii_end(), line, number, records, diagnostics);
-                continue;
-            }
+    read_in_chunks(text, chunks::CHUNK_BYTES, rayon::current_num_threads(), records, diagnostics)
+}
+
+/// Chunks that are read at the same time, for each thread: while they are put together, as many are being read.
+const CHUNKS_A_THREAD: usize = 2;
+
+fn read_in_chunks(
+    text: &[u8],
+    chunk_bytes: usize,
+    threads: usize,
+    records: &mut Records,
+    diagnostics: &mut Diagnostics,
+) -> Result<()> {
+    let aligned = OnceLock::new();
+    let most = Most { line_bytes: records.limits().line_bytes, atoms: records.limits().atoms };
+    let mut whole = Whole { reader: Reader::new(), atoms: AtomReader::new(text, &aligned), lines: 0, most };
+    let mut chunks = chunks::split(text, chunk_bytes);
+    if threads < 2 || text.len() <= chunk_bytes {
+        for chunk in chunks {
+            let scan = whole.scan_on(chunk);
+            whole.take(scan, records, diagnostics)?;
         }
-        records.check_atoms(reader.builder.atom_count(), number)?;
+    } else {
+        let fresh = whole.atoms.fresh();
+        // Each with what its reader begins with; the next ones are read while these are put together.
+        let mut next_wave = || -> Vec<(&[u8], Numbers)> {
+            let wave = chunks.by_ref().take(threads * CHUNKS_A_THREAD);
+            wave.map(|chunk| (chunk, chunks::guess_numbers(before(text, chunk)))).collect()
+        };
+        let mut ready = scan_all(next_wave(), &fresh, most);
+        while !ready.is_empty() {
+            let wave = next_wave();
+            let put_together = || {
+                ready.into_iter().try_for_each(|(chunk, numbers, scan)| {
+                    let scan = if whole.accepts(&numbers, &scan) { scan } else { whole.scan_on(chunk) };
+                    whole.take(scan, records, diagnostics)
+                })
+            };
+            let (outcome, scanned) = rayon::join(put_together, || scan_all(wave, &fresh, most));
+            outcome?;
+            ready = scanned;
+        }
     }
-    lines.check()?;
+    let Whole { mut reader, mut atoms, .. } = whole;
+    reader.builder = atoms.end_model();
     reader.end_model(records, diagnostics);
     reader.end_entry(records, diagnostics);
+    atoms.oddities.report(diagnostics);
     reader.oddities.report(diagnostics);
     if records.is_empty() {
-        return Err(reader
+        return Err(atoms
             .oddities
             .error()
             .unwrap_or_else(|| Error::input(None, "the file has no ATOM or HETATM record")));
@@ -62,20 +96,93 @@ pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnos
     Ok(())
 }
 
+/// A chunk, what its reader took for granted, and what it read.
+type Guessed<'a> = (&'a [u8], Numbers, Scan<'a>);
+
+fn scan_all<'a>(wave: Vec<(&'a [u8], Numbers)>, fresh: &AtomReader<'a>, most: Most) -> Vec<Guessed<'a>> {
+    let scan = |(chunk, numbers): (&'a [u8], Numbers)| {
+        let mut reader = fresh.fresh();
+        reader.numbers = numbers.clone();
+        (chunk, numbers, chunks::scan(chunk, reader, most))
+    };
+    wave.into_par_iter().map(scan).collect()
+}
+
+/// What stands before a part of a text.
+fn before<'a>(text: &'a [u8], part: &[u8]) -> &'a [u8] {
+    let at = (part.as_ptr() as usize).saturating_sub(text.as_ptr() as usize);
+    text.get(..at).unwrap_or_default()
+}
+
+/// A file as far as it was put together.
+struct Whole<'a> {
+    reader: Reader,
+    /// Holds the atoms of the model that is not yet at its end.
+    atoms: AtomReader<'a>,
+    lines: u64,
+    most: Most,
+}
+
+impl<'a> Whole<'a> {
+    /// Reads a chunk behind all that was read.
+    fn scan_on(&mut self, chunk: &'a [u8]) -> Scan<'a> {
+        let fresh = self.atoms.fresh();
+        let mut reader = std::mem::replace(&mut self.atoms, fresh);
+        // Lines of a chunk are counted from its own first one; what was noted before is not of this chunk.
+        self.atoms.oddities = std::mem::take(&mut reader.oddities);
+        chunks::scan(chunk, reader, self.most)
+    }
+
+    /// Whether a chunk was read as it would have been behind all that was read.
+    fn accepts(&self, numbers: &Numbers, scan: &Scan<'_>) -> bool {
+        let first = scan.events.iter().find_map(|event| match event {
+            Event::Atoms(builder, _) => Some(builder.atom_count()),
+            Event::Record(_) => None,
+        });
+        let added = first.unwrap_or(scan.reader.builder.atom_count());
+        // Which line passes a limit is found by reading again.
+        self.atoms.numbers.goes_on_as(numbers) && self.atoms.builder.atom_count() + added <= self.most.atoms
+    }
+
+    fn take(&mut self, scan: Scan<'a>, records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
+        let base = self.lines;
+        self.lines += scan.lines;
+        for event in scan.events {
+            match event {
+                Event::Atoms(builder, decimals) => {
+                    self.atoms.builder.append_runs(*builder);
+                    self.reader.decimals = self.reader.decimals.max(decimals);
+                }
+                Event::Record(record) => {
+                    let name = columns(record.line, 0, 6).trim_ascii_end();
+                    if chunks::ends_model(name) {
+                        self.reader.builder = std::mem::take(&mut self.atoms.builder);
+                    }
+                    self.reader.met_hexadecimal |= record.met_hexadecimal;
+                    self.reader.atoms_before = self.atoms.builder.atom_count() + record.atoms;
+                    self.reader.other_record(name, record.line, base + record.number, records, diagnostics);
+                }
+            }
+        }
+        let tail = scan.reader;
+        self.atoms.builder.append_runs(tail.builder);
+        self.reader.decimals = self.reader.decimals.max(tail.decimals);
+        self.reader.met_hexadecimal |= tail.numbers.serials.met_hexadecimal;
+        self.atoms.numbers = tail.numbers;
+        self.atoms.oddities.absorb(tail.oddities, base);
+        scan.outcome.map_err(|error| match error {
+            Error::Limit { line, message } => Error::limit(line.map(|line| line + base), message),
+            other => other,
+        })
+    }
+}
+
 /// Helices and strands that all records of a file together may hold.
 const MAX_COPIES: usize = 1_000_000;
 
-/// What may occur on many lines.
+/// What may occur on many lines beside those of atoms.
 #[derive(Debug, Default)]
 struct Oddities {
-    no_position: Repeated,
-    short: Repeated,
-    no_element: Repeated,
-    serial: Repeated,
-    residue_number: Repeated,
-    unknown_element: Repeated,
-    guessed_element: Repeated,
-    wrong_element: Repeated,
     model: Repeated,
     conect: Repeated,
     link: Repeated,
@@ -83,35 +190,20 @@ struct Oddities {
 
 impl Oddities {
     fn report(&self, diagnostics: &mut Diagnostics) {
-        self.no_position.error(diagnostics);
-        for oddity in [
-            &self.short,
-            &self.no_element,
-            &self.serial,
-            &self.residue_number,
-            &self.unknown_element,
-            &self.guessed_element,
-            &self.wrong_element,
-            &self.model,
-            &self.conect,
-            &self.link,
-        ] {
+        for oddity in [&self.model, &self.conect, &self.link] {
             oddity.warn(diagnostics);
         }
     }
-
-    fn error(&self) -> Option<Error> {
-        self.no_position.message().map(|(line, message)| Error::input(line, message))
-    }
 }
 
-struct Reader<'a> {
-    text: &'a [u8],
+/// Reads all that is no atom, in the order of the file.
+struct Reader {
+    /// The atoms of a model at its end.
     builder: StructureBuilder,
     decimals: u8,
-    serials: NumberColumn,
-    residue_numbers: NumberColumn,
-    aligned: Option<bool>,
+    /// Whether a hexadecimal serial number was met, and how many atoms of the model stand before the record.
+    met_hexadecimal: bool,
+    atoms_before: usize,
     /// Inside MODEL … ENDMDL: CONECT there concerns this model alone.
     in_model: bool,
     model_number: Option<i64>,
@@ -132,15 +224,13 @@ struct Reader<'a> {
     oddities: Oddities,
 }
 
-impl<'a> Reader<'a> {
-    fn new(text: &'a [u8]) -> Reader<'a> {
+impl Reader {
+    fn new() -> Reader {
         Reader {
-            text,
             builder: StructureBuilder::new(),
             decimals: 0,
-            serials: NumberColumn::new(5),
-            residue_numbers: NumberColumn::new(4),
-            aligned: None,
+            met_hexadecimal: false,
+            atoms_before: 0,
             in_model: false,
             model_number: None,
             title: String::new(),
@@ -158,122 +248,6 @@ impl<'a> Reader<'a> {
         }
     }
 
-    #[inline]
-    fn atom(&mut self, line: &[u8], line_number: u64, flags: u8) {
-        let Some((position, decimals)) = position(line) else {
-            self.oddities.no_position.note(line_number, || no_position_message(line));
-            return;
-        };
-        self.decimals = self.decimals.max(decimals);
-        let serial = self.serial(line, line_number);
-        let (residue_name, chain) = residue_and_chain(line);
-        let (residue_number, insertion_code) = self.residue_number(line, line_number);
-        let meaning = self.element(line, residue_name, line_number);
-        if line.len() < 60 {
-            self.oddities.short.note(line_number, || "the line has no occupancy; taken as 1".to_owned());
-        }
-        let name = text_of(field(line, 12, 16));
-        let (residue_name, chain) = (text_of(residue_name), text_of(chain));
-        let value =
-            |from, to| parse_f64(field(line, from, to)).map(|(value, _)| value as f32).filter(|v| v.is_finite());
-        self.builder.push_atom(&AtomRecord {
-            element: meaning.element,
-            position,
-            name: &name,
-            serial: Some(serial),
-            residue: Some((&chain, residue_number, insertion_code, &residue_name)),
-            flags: flags | if meaning.particle { atom_flags::PARTICLE } else { 0 },
-            altloc: line.get(16).copied().unwrap_or(b' '),
-            occupancy: value(54, 60).unwrap_or(1.0),
-            b_factor: value(60, 66).unwrap_or(0.0),
-            formal_charge: charge(columns(line, 78, 80)),
-            isotope: meaning.isotope,
-            ..AtomRecord::default()
-        });
-    }
-
-    #[inline]
-    fn serial(&mut self, line: &[u8], line_number: u64) -> i32 {
-        // Columns 5 and 6 of ATOM and 12 are blank, unless the number needed them.
-        let from = if line[0] == b'A' { 4 } else { 6 };
-        let to = if line.get(11).is_some_and(u8::is_ascii_digit) { 12 } else { 11 };
-        let text = field(line, from, to);
-        let serial = self.serials.read(text).and_then(|serial| i32::try_from(serial).ok());
-        serial.unwrap_or_else(|| {
-            // Stars and blanks are how programs say that they ran out of digits.
-            if !text.is_empty() && !text.contains(&b'*') {
-                let message = || format!("the serial number `{}` is no number; counted on instead", shown(text));
-                self.oddities.serial.note(line_number, message);
-            }
-            i32::try_from(self.serials.count_on()).unwrap_or(i32::MAX)
-        })
-    }
-
-    #[inline]
-    fn residue_number(&mut self, line: &[u8], line_number: u64) -> (i32, u8) {
-        let insertion_code = line.get(26).copied().unwrap_or(b' ');
-        let text = columns(line, 22, 26);
-        if insertion_code.is_ascii_digit() && text.last().is_some_and(u8::is_ascii_digit) {
-            // A number of five digits has run over into the column of the insertion code.
-            if let Some(number) = parse_i64(field(line, 22, 27)).and_then(|number| i32::try_from(number).ok()) {
-                return (number, b' ');
-            }
-        }
-        let text = text.trim_ascii();
-        let number = self.residue_numbers.read(text).and_then(|number| i32::try_from(number).ok());
-        let number = number.unwrap_or_else(|| {
-            if !text.is_empty() {
-                let message = || format!("the residue number `{}` is no number; taken as 0", shown(text));
-                self.oddities.residue_number.note(line_number, message);
-            }
-            0
-        });
-        (number, insertion_code)
-    }
-
-    #[inline]
-    fn element(&mut self, line: &[u8], residue: &[u8], line_number: u64) -> Guess {
-        let symbol = field(line, 76, 78);
-        let name = columns(line, 12, 16);
-        if let Some(guess) = Guess::of(symbol) {
-            if symbol.len() < 2 || !element::contradicts(symbol, name, residue) {
-                return guess;
-            }
-            self.oddities.wrong_element.note(line_number, || {
-                let (symbol, name, residue) = (shown(symbol), shown(name), shown(residue));
-                format!("element {symbol} is impossible for atom {name} of {residue}; the name is believed")
-            });
-            return self.guess(name, residue);
-        }
-        let guess = self.guess(name, residue);
-        // Digits are line numbers of files before version 2.
-        if symbol.is_empty() || symbol.iter().any(u8::is_ascii_digit) {
-            let message = || "the line has no element column; the element is taken from the atom's name".to_owned();
-            self.oddities.no_element.note(line_number, message);
-        } else {
-            self.oddities.guessed_element.note(line_number, || {
-                format!("`{}` is no element symbol; the element is taken from the atom's name", shown(symbol))
-            });
-        }
-        if guess.element.z() == 0 && !guess.particle {
-            self.oddities.unknown_element.note(line_number, || {
-                format!("no element is known for the atom named `{}`; it is kept without one", shown(name.trim_ascii()))
-            });
-        }
-        guess
-    }
-
-    fn guess(&mut self, name: &[u8], residue: &[u8]) -> Guess {
-        let (text, aligned) = (self.text, &mut self.aligned);
-        element::guess(name, residue, || {
-            *aligned.get_or_insert_with(|| {
-                let atoms = |line: &&[u8]| line.starts_with(b"ATOM  ") || line.starts_with(b"HETATM");
-                element::is_aligned(Lines::new(text, usize::MAX).filter(atoms))
-            })
-        })
-    }
-
-    #[inline(never)]
     fn other_record(
         &mut self,
         record: &[u8],
@@ -408,7 +382,7 @@ impl<'a> Reader<'a> {
                 continue;
             };
             // Inside a model, or behind the atoms of a file without models.
-            let local = self.in_model || self.builder.atom_count() > 0;
+            let local = self.in_model || self.atoms_before > 0;
             let list = if local { &mut self.conects } else { &mut self.entry_conects };
             list.push(Conect { line: number, from, to });
         }
@@ -417,8 +391,7 @@ impl<'a> Reader<'a> {
     /// A serial number of a CONECT record.
     fn conect_serial(&self, text: &[u8]) -> Option<Serial> {
         let narrow = |value: i64| i32::try_from(value).ok();
-        let hexadecimal =
-            if self.serials.met_hexadecimal && text.len() == 5 { number::hexadecimal(text) } else { None };
+        let hexadecimal = if self.met_hexadecimal && text.len() == 5 { number::hexadecimal(text) } else { None };
         let hexadecimal = hexadecimal.filter(|&value| value > 99_999).and_then(narrow);
         match parse_i64(text).or_else(|| number::hybrid36(text, 5).filter(|_| hexadecimal.is_none())).and_then(narrow) {
             Some(serial) => Some((serial, hexadecimal)),
@@ -428,8 +401,6 @@ impl<'a> Reader<'a> {
 
     /// Closes the model being read, if it has atoms.
     fn end_model(&mut self, records: &mut Records, diagnostics: &mut Diagnostics) {
-        self.serials.restart();
-        self.residue_numbers.restart();
         let conects = std::mem::take(&mut self.conects);
         if self.builder.atom_count() == 0 {
             return;

@@ -28,6 +28,11 @@ impl NumberColumn {
         self.previous = None;
     }
 
+    /// Whether the numbers that follow mean the same in both.
+    pub(super) fn goes_on_as(&self, other: &NumberColumn) -> bool {
+        self.hexadecimal == other.hexadecimal && self.previous == other.previous
+    }
+
     /// The number of trimmed text; `None` if it is none.
     #[inline]
     pub(super) fn read(&mut self, text: &[u8]) -> Option<i64> {

@@ -1,10 +1,21 @@
 use crate::element::Element;
 use crate::error::Result;
-use crate::import::{Document, Format, ImportOptions, read_bytes};
-use crate::structure::{BondKind, BondOrder, BondSource, Severity, StatedBonds, Structure, atom_flags};
+use crate::import::collect::Records;
+use crate::import::{Document, Format, ImportOptions, Limits, read_bytes};
+use crate::structure::{BondKind, BondOrder, BondSource, Diagnostics, Severity, StatedBonds, Structure, atom_flags};
+use proptest::prelude::*;
 
 fn read(text: &str) -> Result<Document> {
     read_bytes(text.as_bytes(), "a.pdb", &ImportOptions { format: Some(Format::Pdb), ..ImportOptions::default() })
+}
+
+/// Reads in chunks of so many bytes, by so many threads.
+fn in_chunks(text: &str, bytes: usize, threads: usize, limits: &Limits) -> Result<Document, String> {
+    let mut diagnostics = Diagnostics::default();
+    let mut records = Records::new(limits);
+    super::read_in_chunks(text.as_bytes(), bytes, threads, &mut records, &mut diagnostics)
+        .and_then(|()| records.finish(Format::Pdb, diagnostics))
+        .map_err(|error| error.to_string())
 }
 
 /// An atom line; `head` is columns 1 to 30.
@@ -213,4 +224,65 @@ fn entries_one_after_another_keep_their_own_headers() {
     let titles: Vec<_> = document.records.iter().map(Structure::title).collect();
     assert_eq!(titles, ["ONE", "TWO"]);
     assert_eq!(document.records[1].stated_bonds(), StatedBonds::None);
+}
+
+/// Lines of which files may be made in any order: atoms whose numbers go on in all the ways programs have, odd ones, and
+/// records that begin and end models, bond atoms, or say something.
+fn some_lines() -> Vec<String> {
+    let mut lines: Vec<String> =
+        ["99998", "99999", "A0000", "A0001", "186a0", "186a1", "*****", "    1", "    2", "1a2b3"]
+            .iter()
+            .map(|serial| carbon(serial, 1.5))
+            .collect();
+    for residue in ["9999", "A000", "2710", "2711", "  12", "x"] {
+        lines.push(atom(&format!("ATOM     12  CA  ALA A{residue:>4}"), -3.25, "  1.00  0.00           C  "));
+    }
+    lines.push(atom("ATOM     13  CA  GLY A  13", 0.0, ""));
+    lines.push(atom("ATOM     14  XX  ZZZ B  13", 0.0, "  1.00  0.00           Qq"));
+    lines.push(atom("ATOM     15  CL  LIG", 12.0, "  0.50  3.00"));
+    lines.extend(
+        [
+            "ATOM     16  C   LIG A   1       x.xxx   0.000   0.000\n",
+            "ATOM     17  C   LIG A   1       1.0     2.0     3.12345\n",
+            "TER\n",
+            "ANISOU   17  C   LIG\n",
+            "MODEL        1\n",
+            "ENDMDL\n",
+            "END\n",
+            "HEADER    A\n",
+            "TITLE     A TITLE\n",
+            "CRYST1   10.000   11.000   12.000  90.00  90.00  90.00 P 1\n",
+            "CRYST1   10.000   11.000\n",
+            "CONECT    1    2\n",
+            "CONECT99999A0000\n",
+            "CONECT186a0186a1\n",
+            "SSBOND   1 CYS A    1    CYS A    2\n",
+            "HELIX    1   1 SER A    1  GLY A    2  1                                   2\n",
+            "\n",
+        ]
+        .map(str::to_owned),
+    );
+    lines
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 150, ..ProptestConfig::default() })]
+
+    #[test]
+    fn chunks_are_read_as_the_whole(picks in proptest::collection::vec((0usize..40, 1usize..4), 1..50)) {
+        let lines = some_lines();
+        let text: String = picks.iter().flat_map(|&(pick, times)| lines.get(pick).map(|line| line.repeat(times))).collect();
+        for limits in [
+            Limits::default(),
+            Limits { atoms: 5, ..Limits::default() },
+            Limits { line_bytes: 60, ..Limits::default() },
+            Limits { records: 2, ..Limits::default() },
+        ] {
+            let whole = in_chunks(&text, usize::MAX, 1, &limits);
+            for (bytes, threads) in [(1, 1), (200, 1), (1, 4), (100, 4), (500, 2)] {
+                let parts = in_chunks(&text, bytes, threads, &limits);
+                prop_assert_eq!(&parts, &whole, "{} bytes, {} threads", bytes, threads);
+            }
+        }
+    }
 }

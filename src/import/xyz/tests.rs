@@ -1,8 +1,10 @@
 use crate::element::Element;
 use crate::error::{Error, Result};
-use crate::import::{Document, Format, ImportOptions, read_bytes};
-use crate::structure::{Severity, StatedBonds, atom_flags};
+use crate::import::collect::Records;
+use crate::import::{Document, Format, ImportOptions, Limits, read_bytes};
+use crate::structure::{Diagnostics, Severity, StatedBonds, atom_flags};
 use glam::DVec3;
+use proptest::prelude::*;
 
 fn read(text: &str) -> Result<Document> {
     read_bytes(text.as_bytes(), "a.xyz", &ImportOptions { format: Some(Format::Xyz), ..ImportOptions::default() })
@@ -98,4 +100,45 @@ fn a_count_is_a_claim_not_a_fact() {
     let error = read_bytes(b"2\n\nC 0 0 0\nC 0 0 1\n", "", &options).unwrap_err();
     assert!(matches!(error, Error::Limit { .. }), "{error}");
     assert!(read("0\n\n").is_err());
+}
+
+/// Reads with so many threads, waves of so many bytes a thread, and parts of so many atoms.
+fn in_waves(text: &str, threads: usize, bytes: usize, atoms: usize, limits: &Limits) -> Result<Document, String> {
+    let mut diagnostics = Diagnostics::default();
+    let mut records = Records::new(limits);
+    let waves = super::Waves { threads, least_bytes: bytes, part_atoms: atoms, tried: usize::MAX };
+    super::read_in_waves(text.as_bytes(), waves, &mut records, &mut diagnostics)
+        .and_then(|()| records.finish(Format::Xyz, diagnostics))
+        .map_err(|error| error.to_string())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 150, ..ProptestConfig::default() })]
+
+    #[test]
+    fn waves_are_read_as_the_whole(
+        frames in proptest::collection::vec((0usize..8, 0usize..6, proptest::collection::vec(0usize..40, 0..6)), 1..12),
+    ) {
+        let comments = ["", "a title", "Lattice=\"5 0 0 0 5 0 0 0 5\" Properties=species:S:1:pos:R:3:f:R:3 e=1", "Lattice=\"1\"", "3"];
+        let atoms = ["C 0 0 0", "OW 1.25 0 3", "Xx 1 2 3", "C nan 0 0", "C 1 2 3 4 5 6", "C 1 2 3 0.5 4 5 6", "C 1 2", "Qz 1 2 3.123", ""];
+        let mut text = String::new();
+        for (count, comment, picks) in &frames {
+            // The count is right but now and then.
+            let said = if *count < 6 { picks.len() } else { *count };
+            text += &format!("{said}\n{}\n", comments.get(*comment).unwrap_or(&""));
+            // Mostly the same kind of atom in a frame.
+            let usual = picks.first().map_or(0, |pick| pick % 6);
+            for pick in picks {
+                text += atoms[if *pick < atoms.len() { *pick } else { usual }];
+                text += "\n";
+            }
+        }
+        for limits in [Limits::default(), Limits { atoms: 3, ..Limits::default() }, Limits { line_bytes: 20, ..Limits::default() }] {
+            let whole = in_waves(&text, 1, 1, 1, &limits);
+            for (threads, bytes, atoms) in [(2, 1, 1), (3, 30, 2), (2, 200, 100)] {
+                let parts = in_waves(&text, threads, bytes, atoms, &limits);
+                prop_assert_eq!(&parts, &whole, "{} threads, {} bytes, {} atoms:\n{}", threads, bytes, atoms, &text);
+            }
+        }
+    }
 }

@@ -24,7 +24,7 @@ impl StructureBuilder {
         }
         self.append_serials(&other);
         self.element.extend_from_slice(&other.element);
-        self.points.extend_from_slice(&other.points);
+        self.points.append(&other.points);
         append_sparse(&mut self.flags, before, &other.flags, added, 0);
         append_sparse(&mut self.altloc, before, &other.altloc, added, b' ');
         append_sparse(&mut self.occupancy, before, &other.occupancy, added, 1.0);
@@ -35,6 +35,25 @@ impl StructureBuilder {
         append_sparse(&mut self.radical, before, &other.radical, added, 0);
     }
 
+    /// As [`StructureBuilder::append`]; the first residue of `other` is the rest of the last one here if it has the same
+    /// chain, number, insertion code and name, as [`StructureBuilder::push_atom`] has it.
+    pub fn append_runs(&mut self, other: StructureBuilder) {
+        let joins = match (self.residues.last(), other.residues.first()) {
+            (Some(last), Some(first)) => {
+                let chain_of = |builder: &'_ StructureBuilder, residue: &Residue| {
+                    let name = builder.chains.get(residue.chain as usize).copied().unwrap_or_default();
+                    builder.names.get(name).to_owned()
+                };
+                last.number == first.number
+                    && last.insertion_code == first.insertion_code
+                    && self.names.get(last.name) == other.names.get(first.name)
+                    && chain_of(self, last) == chain_of(&other, first)
+            }
+            _ => false,
+        };
+        self.append(other, joins);
+    }
+
     /// The first part: its columns become the columns here.
     fn take_atoms(&mut self, other: StructureBuilder) {
         self.names = other.names;
@@ -42,6 +61,7 @@ impl StructureBuilder {
         self.points = other.points;
         self.atom_name = other.atom_name;
         self.serial = other.serial;
+        self.states_serials = other.states_serials;
         self.residue_of_atom = other.residue_of_atom;
         self.flags = other.flags;
         self.altloc = other.altloc;
@@ -87,7 +107,10 @@ impl StructureBuilder {
     fn append_serials(&mut self, other: &StructureBuilder) {
         let (before, added) = (self.element.len(), other.element.len());
         let counted = |index: usize| i32::try_from(index + 1).unwrap_or(i32::MAX);
-        let serial = |index: usize| other.serial.get(index).copied().unwrap_or(counted(index));
+        // Without a column they are 1, 2, 3, … there, if that was said, else whatever counting on gives.
+        let start = if other.states_serials { 0 } else { before };
+        let serial = |index: usize| other.serial.get(index).copied().unwrap_or(counted(start + index));
+        self.states_serials |= other.states_serials;
         let is_counted = (0..added).all(|index| serial(index) == counted(before + index));
         if self.serial.is_empty() && is_counted {
             return;
@@ -161,6 +184,7 @@ mod tests {
             builder.append(part, false);
         }
         let structure = build(builder);
-        assert_eq!((structure.atom_count(), structure.residues().len()), (2, 0));
+        assert_eq!((structure.atom_count(), structure.residues().len(), structure.serial(1)), (2, 0, 2));
+        assert!(structure.serial.is_empty());
     }
 }

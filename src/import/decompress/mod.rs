@@ -1,33 +1,30 @@
-//! Decompression: gzip (RFC 1952), with several members one after another, and gzip within gzip.
+//! Decompression: gzip (RFC 1952) and Zstandard (RFC 8878), with several members or frames one after another, and
+//! either within the other.
 //!
 //! Inflated in pieces with the limits checked after each: a file is never trusted about its size. The ratio is taken
 //! of what was inflated to what was consumed for it, so that a bomb stops at 16 MiB, not at its end.
 
+mod gzip;
+mod zstd;
+
 use super::Limits;
 use crate::error::{Error, Result};
 use crate::structure::Diagnostics;
-use flate2::bufread::MultiGzDecoder;
 use std::borrow::Cow;
-use std::io::{ErrorKind, Read};
 
 /// Output up to which the ratio is not looked at: small files may be as repetitive as they like.
 const FREE_BYTES: u64 = 16 << 20;
-/// Layers of gzip in gzip: one is usual, two happen (a server compressing a `.gz`), more is no accident.
+/// Layers of compression: one is usual, two happen (a server compressing a `.gz`), more is no accident.
 const MAX_LAYERS: usize = 3;
-
-fn is_gzip(bytes: &[u8]) -> bool {
-    bytes.starts_with(&[0x1f, 0x8b])
-}
 
 /// Whether [`decompress`] has anything to do.
 pub(super) fn is_compressed(bytes: &[u8]) -> bool {
-    is_gzip(bytes) || other_archive(bytes).is_some()
+    gzip::is_gzip(bytes) || zstd::is_zstd(bytes) || other_archive(bytes).is_some()
 }
 
 /// Archives we know but do not open.
 fn other_archive(bytes: &[u8]) -> Option<&'static str> {
-    const MAGICS: [(&[u8], &str); 6] = [
-        (&[0x28, 0xb5, 0x2f, 0xfd], "Zstandard"),
+    const MAGICS: [(&[u8], &str); 5] = [
         (b"BZh", "bzip2"),
         (&[0xfd, b'7', b'z', b'X', b'Z', 0], "xz"),
         (b"PK\x03\x04", "ZIP"),
@@ -46,69 +43,82 @@ pub(super) fn decompress<'a>(bytes: &'a [u8], limits: &Limits, diagnostics: &mut
                 "the file is compressed with {archive}, which is not read; decompress it first"
             )));
         }
-        if !is_gzip(&plain) {
-            break;
-        }
+        let inflate = match &plain {
+            plain if gzip::is_gzip(plain) => gzip::inflate,
+            plain if zstd::is_zstd(plain) => zstd::inflate,
+            _ => break,
+        };
         if layer == MAX_LAYERS {
-            return Err(Error::limit(None, format!("gzip within gzip more than {MAX_LAYERS} times")));
+            return Err(Error::limit(None, format!("compressed more than {MAX_LAYERS} times over")));
         }
-        // Of nested files the ratio of the whole counts, too.
-        plain = Cow::Owned(gunzip(&plain, bytes.len(), limits, diagnostics)?);
+        let mut output = Output { plain: Vec::new(), file_bytes: bytes.len(), limits };
+        inflate(&plain, &mut output, diagnostics)?;
+        plain = Cow::Owned(output.plain);
     }
     Ok(plain)
 }
 
-fn gunzip(bytes: &[u8], file_bytes: usize, limits: &Limits, diagnostics: &mut Diagnostics) -> Result<Vec<u8>> {
-    let mut decoder = MultiGzDecoder::new(bytes);
-    let mut plain = Vec::new();
-    let mut piece = vec![0u8; 256 << 10];
-    loop {
-        let read = match decoder.read(&mut piece) {
-            Ok(0) => break,
-            Ok(read) => read,
-            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
-            Err(error) => {
-                damaged(&error, &plain, decoder.get_ref(), diagnostics)?;
-                break;
-            }
-        };
-        let inflated = (plain.len() + read) as u64;
-        if inflated > limits.decompressed_bytes {
-            let limit = limits.decompressed_bytes;
+/// What was inflated so far, kept within the limits.
+struct Output<'a> {
+    plain: Vec<u8>,
+    /// Bytes of the file as it lies on disk: of nested compression the ratio of the whole counts, too.
+    file_bytes: usize,
+    limits: &'a Limits,
+}
+
+impl Output<'_> {
+    /// Adds a piece for which `consumed` bytes of the compressed data were read in all.
+    fn push(&mut self, piece: &[u8], consumed: usize) -> Result<()> {
+        let inflated = (self.plain.len() + piece.len()) as u64;
+        if inflated > self.limits.decompressed_bytes {
+            let limit = self.limits.decompressed_bytes;
             return Err(Error::limit(
                 None,
                 format!("the file has more than {limit} bytes when decompressed (limit `decompressed_bytes`)"),
             ));
         }
-        let consumed = (bytes.len() - decoder.get_ref().len()).min(file_bytes) as u64;
-        if inflated > FREE_BYTES && inflated / u64::from(limits.ratio.max(1)) > consumed {
+        let consumed = consumed.min(self.file_bytes) as u64;
+        let ratio = self.limits.ratio;
+        if inflated > FREE_BYTES && inflated / u64::from(ratio.max(1)) > consumed {
             return Err(Error::limit(
                 None,
-                format!("the compressed file inflates to more than {} times its size (limit `ratio`)", limits.ratio),
+                format!("the compressed file inflates to more than {ratio} times its size (limit `ratio`)"),
             ));
         }
-        plain.extend_from_slice(&piece[..read]);
+        self.plain.extend_from_slice(piece);
+        Ok(())
     }
-    Ok(plain)
 }
 
-/// A damaged stream: says what is left of it, or refuses if nothing is.
-fn damaged(error: &std::io::Error, plain: &[u8], rest: &[u8], diagnostics: &mut Diagnostics) -> Result<()> {
-    if plain.is_empty() {
-        return Err(Error::input(None, format!("the gzip data is damaged from its start ({error})")));
-    }
-    let kept = plain.len();
-    match error.kind() {
-        ErrorKind::UnexpectedEof => diagnostics.error(
+/// What became of a stream that is not whole.
+enum Damage {
+    /// It ends before its end.
+    Cut,
+    /// So many bytes behind its end are something else.
+    Trailing(usize),
+    /// Something in it cannot be; what the decoder said.
+    Broken(String),
+}
+
+/// Says what is left of a damaged stream, or refuses it if nothing is.
+fn report(damage: &Damage, format: &str, output: &Output<'_>, diagnostics: &mut Diagnostics) -> Result<()> {
+    let kept = output.plain.len();
+    match damage {
+        Damage::Cut if kept == 0 => {
+            return Err(Error::input(None, format!("the {format} data ends before anything can be decompressed")));
+        }
+        Damage::Broken(why) if kept == 0 => {
+            return Err(Error::input(None, format!("the {format} data is damaged from its start ({why})")));
+        }
+        Damage::Cut => diagnostics.error(
             None,
             format!("the compressed file ends too early; the {kept} bytes that could be decompressed are read"),
         ),
-        // The decoder failed on the header of a further member: padding or other bytes after the last one.
-        _ if error.to_string().contains("header") => {
-            diagnostics.warn(None, format!("{} bytes or more after the gzip data are ignored", rest.len()));
+        Damage::Trailing(rest) => {
+            diagnostics.warn(None, format!("{rest} bytes or more after the {format} data are ignored"));
         }
-        _ => diagnostics
-            .error(None, format!("the gzip data is damaged ({error}); the {kept} bytes before the damage are read")),
+        Damage::Broken(why) => diagnostics
+            .error(None, format!("the {format} data is damaged ({why}); the {kept} bytes before the damage are read")),
     }
     Ok(())
 }
