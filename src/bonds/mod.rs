@@ -17,6 +17,7 @@
 //! periodic images are not looked at; atoms piled up beyond any physical density (`grid`) get no inferred bonds.
 
 mod contacts;
+mod dictionary;
 mod distance;
 mod grid;
 mod hydrogen;
