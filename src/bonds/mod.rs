@@ -21,7 +21,9 @@ mod dictionary;
 mod distance;
 mod grid;
 mod hydrogen;
+mod links;
 mod metal;
+mod residues;
 mod rules;
 mod sites;
 mod valence;
@@ -30,6 +32,7 @@ mod valence;
 mod tests;
 
 use crate::structure::{Bond, BondKind, BondOrder, StatedBonds, Structure};
+use residues::Known;
 
 /// Where bonds come from; the names are those of `--bonds`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -104,19 +107,36 @@ impl BondOptions {
 /// not there, only what the file states.
 #[must_use]
 pub fn find(structure: &Structure, frame: usize, options: &BondOptions) -> Vec<Bond> {
+    find_all(structure, frame, options).0
+}
+
+/// The bonds, and what is known of the residues.
+fn find_all(structure: &Structure, frame: usize, options: &BondOptions) -> (Vec<Bond>, Known) {
     let options = options.sane();
-    let stated = match options.mode {
-        BondMode::None => return Vec::new(),
-        BondMode::File => return structure.bonds().to_vec(),
-        BondMode::Perceive => &[],
-        BondMode::Auto if structure.stated_bonds() == StatedBonds::Complete => return structure.bonds().to_vec(),
-        BondMode::Auto => structure.bonds(),
+    let stated = structure.bonds();
+    let (stated, knowledge) = match options.mode {
+        BondMode::None => return (Vec::new(), Known::default()),
+        BondMode::Auto | BondMode::File if structure.stated_bonds() == StatedBonds::Complete => {
+            return (stated.to_vec(), Known::default());
+        }
+        BondMode::Auto => (stated, true),
+        BondMode::File => (stated, false),
+        BondMode::Perceive => (&[][..], false),
     };
-    let inferred = match structure.frames().get(frame) {
-        Some(frame) => distance::find(structure, frame.positions.relative(), stated, &options),
-        None => Vec::new(),
+    let stated: Vec<Bond> = stated.iter().map(|&bond| with_kind(bond, structure)).collect();
+    let Some(frame) = structure.frames().get(frame) else { return (stated, Known::default()) };
+    let positions = frame.positions.relative();
+    let mut known = match options.mode {
+        BondMode::Perceive => Known::default(),
+        _ => residues::find(structure, positions, knowledge),
     };
-    merge(stated, inferred, structure)
+    let links = if knowledge { links::find(structure, positions, &mut known) } else { Vec::new() };
+    let settled = settle(stated, std::mem::take(&mut known.bonds), links, &mut known);
+    if options.mode == BondMode::File {
+        return (settled, known);
+    }
+    let inferred = distance::find(structure, positions, &settled, &known, &options);
+    (merge(settled, inferred), known)
 }
 
 /// The structure with the bonds of its first frame.
@@ -126,15 +146,50 @@ pub fn assign(structure: Structure, options: &BondOptions) -> Structure {
     structure.with_bonds(bonds)
 }
 
-/// Both sorted lists as one. They have no pair in common.
-fn merge(stated: &[Bond], inferred: Vec<Bond>, structure: &Structure) -> Vec<Bond> {
+/// What the file states, completed by what is known of the residues.
+fn settle(stated: Vec<Bond>, inside: Vec<Bond>, links: Vec<Bond>, known: &mut Known) -> Vec<Bond> {
+    let mut bonds = merge(inside, links);
     if stated.is_empty() {
-        return inferred;
+        return bonds;
     }
-    let mut bonds = Vec::with_capacity(stated.len() + inferred.len());
-    bonds.extend(stated.iter().map(|&bond| with_kind(bond, structure)));
-    bonds.extend(inferred);
-    bonds.sort_by_key(Bond::key);
+    let mut more = Vec::new();
+    for bond in stated {
+        match bonds.binary_search_by_key(&bond.key(), Bond::key) {
+            Ok(at) => bonds[at] = united(bond, bonds[at]),
+            Err(_) => {
+                for atom in [bond.a as usize, bond.b as usize] {
+                    if let Some(standing) = known.standing.get_mut(atom) {
+                        *standing = standing.with_partner();
+                    }
+                }
+                more.push(bond);
+            }
+        }
+    }
+    merge(bonds, more)
+}
+
+/// One bond that the file states and the dictionary describes. A CONECT record that is there once, and LINK, say that there
+/// is a bond and nothing more.
+fn united(stated: Bond, described: Bond) -> Bond {
+    let untold = stated.order <= BondOrder::Single && !stated.aromatic;
+    if untold {
+        return Bond { source: stated.source, ..described };
+    }
+    Bond { aromatic: described.aromatic, ..stated }
+}
+
+/// Both sorted lists as one. They have no pair in common.
+fn merge(one: Vec<Bond>, other: Vec<Bond>) -> Vec<Bond> {
+    if one.is_empty() {
+        return other;
+    }
+    if other.is_empty() {
+        return one;
+    }
+    let mut bonds = one;
+    bonds.extend(other);
+    bonds.sort_by_key(Bond::key); // finds the two sorted runs and merges them
     bonds
 }
 

@@ -7,6 +7,14 @@ use std::hash::{BuildHasherDefault, Hasher};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct NameId(u32);
 
+impl NameId {
+    /// The number that stands for the name: names are numbered from 0 in the order they are first met.
+    #[must_use]
+    pub fn number(self) -> u32 {
+        self.0
+    }
+}
+
 /// The texts behind [`NameId`]s. Id 0 is the empty name.
 #[derive(Debug, Clone, Default)]
 pub struct Names {

@@ -81,11 +81,6 @@ pub(super) struct Component {
     pub(super) bonds: Vec<DictionaryBond>,
 }
 
-/// A name as the dictionary's atoms have it; `None` for one that is longer than any of these.
-pub(super) fn atom_name(text: &str) -> Option<AtomName> {
-    padded(text.as_bytes())
-}
-
 /// Text in so many bytes, filled with zeros.
 fn padded<const N: usize>(text: &[u8]) -> Option<[u8; N]> {
     let mut out = [0; N];
