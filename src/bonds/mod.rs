@@ -19,7 +19,9 @@
 mod contacts;
 mod dictionary;
 mod distance;
+mod explain;
 mod grid;
+mod hbonds;
 mod hydrogen;
 mod links;
 mod metal;
@@ -31,7 +33,10 @@ mod valence;
 #[cfg(test)]
 mod tests;
 
+pub use explain::{Explained, NotBonded, explain, not_bonded};
+
 use crate::structure::{Bond, BondKind, BondOrder, StatedBonds, Structure};
+use glam::Vec3;
 use residues::Known;
 
 /// Where bonds come from; the names are those of `--bonds`.
@@ -82,11 +87,14 @@ pub struct BondOptions {
     /// the sum), the axial water of Cu(II) 2.4 Å (0.42 Å over), and Harding (Acta Cryst. D 2004, 60, 849) counts donors
     /// up to 0.75 Å beyond the usual distance.
     pub metal_tolerance: f32,
+    /// Whether hydrogen bonds are found, too ([`crate::structure::BondKind::Hydrogen`]); in no mode but
+    /// [`BondMode::None`] are they left out then. Default: `false`.
+    pub hydrogen_bonds: bool,
 }
 
 impl Default for BondOptions {
     fn default() -> Self {
-        BondOptions { mode: BondMode::Auto, tolerance: 0.45, metal_tolerance: 0.5 }
+        BondOptions { mode: BondMode::Auto, tolerance: 0.45, metal_tolerance: 0.5, hydrogen_bonds: false }
     }
 }
 
@@ -97,6 +105,7 @@ impl BondOptions {
         let sane = |value: f32, default: f32| if value.is_nan() { default } else { value.clamp(-1.0, 1.0) };
         BondOptions {
             mode: self.mode,
+            hydrogen_bonds: self.hydrogen_bonds,
             tolerance: sane(self.tolerance, default.tolerance),
             metal_tolerance: sane(self.metal_tolerance, default.metal_tolerance),
         }
@@ -113,30 +122,42 @@ pub fn find(structure: &Structure, frame: usize, options: &BondOptions) -> Vec<B
 /// The bonds, and what is known of the residues.
 fn find_all(structure: &Structure, frame: usize, options: &BondOptions) -> (Vec<Bond>, Known) {
     let options = options.sane();
-    let stated = structure.bonds();
-    let (stated, knowledge) = match options.mode {
-        BondMode::None => return (Vec::new(), Known::default()),
-        BondMode::Auto | BondMode::File if structure.stated_bonds() == StatedBonds::Complete => {
-            return (stated.to_vec(), Known::default());
-        }
-        BondMode::Auto => (stated, true),
-        BondMode::File => (stated, false),
-        BondMode::Perceive => (&[][..], false),
+    let Some(frame) = structure.frames().get(frame) else {
+        return match options.mode {
+            BondMode::Auto | BondMode::File => (structure.bonds().to_vec(), Known::default()),
+            BondMode::Perceive | BondMode::None => (Vec::new(), Known::default()),
+        };
     };
-    let stated: Vec<Bond> = stated.iter().map(|&bond| with_kind(bond, structure)).collect();
-    let Some(frame) = structure.frames().get(frame) else { return (stated, Known::default()) };
     let positions = frame.positions.relative();
-    let mut known = match options.mode {
-        BondMode::Perceive => Known::default(),
-        _ => residues::find(structure, positions, knowledge),
+    let is_complete = structure.stated_bonds() == StatedBonds::Complete;
+    let (bonds, known) = match options.mode {
+        BondMode::None => return (Vec::new(), Known::default()),
+        BondMode::Auto | BondMode::File if is_complete => (structure.bonds().to_vec(), Known::default()),
+        BondMode::Perceive => {
+            let known = Known::default();
+            (distance::find(structure, positions, &[], &known, &options), known)
+        }
+        BondMode::File => described(structure, positions, false),
+        BondMode::Auto => {
+            let (settled, known) = described(structure, positions, true);
+            let inferred = distance::find(structure, positions, &settled, &known, &options);
+            (merge(settled, inferred), known)
+        }
     };
-    let links = if knowledge { links::find(structure, positions, &mut known) } else { Vec::new() };
-    let settled = settle(stated, std::mem::take(&mut known.bonds), links, &mut known);
-    if options.mode == BondMode::File {
-        return (settled, known);
+    if !options.hydrogen_bonds {
+        return (bonds, known);
     }
-    let inferred = distance::find(structure, positions, &settled, &known, &options);
-    (merge(settled, inferred), known)
+    let more = hbonds::find(structure, positions, &bonds);
+    (merge(bonds, more), known)
+}
+
+/// What the file states, completed by what the residues are known to be: from the file alone or from the dictionary, too.
+fn described(structure: &Structure, positions: &[Vec3], with_dictionary: bool) -> (Vec<Bond>, Known) {
+    let stated = structure.bonds().iter().map(|&bond| with_kind(bond, structure)).collect();
+    let mut known = residues::find(structure, positions, with_dictionary);
+    let links = if with_dictionary { links::find(structure, positions, &mut known) } else { Vec::new() };
+    let inside = std::mem::take(&mut known.bonds);
+    (settle(stated, inside, links, &mut known), known)
 }
 
 /// The structure with the bonds of its first frame.

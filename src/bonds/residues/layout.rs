@@ -18,10 +18,12 @@ use std::ops::Range;
 /// with two oxygens of foreign names has 4 of 5 left; the ligands of force-field files that are named like another
 /// component of the dictionary have less than half, numbered atoms (`C1`, `C2`, …) by chance up to 7 of 10.
 const FIT: (usize, usize) = (4, 5);
-/// How much longer than the covalent radii say a bond of the dictionary may be. Poorly built ligands and side chains of
-/// old entries have C–C of 2.2 Å (0.7 Å over); the nearest atoms that are not bonded, 1,3-partners, begin at 2.3 Å in
-/// sound parts, but names tell these apart. A molecule cut by a periodic boundary has bonds as long as the box.
-const LONGEST_EXCESS: f32 = 0.8;
+/// How much longer than the covalent radii say a bond of the dictionary may be. Side chains of PDB entry 4HHB that were
+/// built without density have C–C up to 2.6 Å (1.1 Å over); a molecule cut by a periodic boundary has bonds as long as
+/// the box.
+const LONGEST_EXCESS: f32 = 1.2;
+/// From this on a length speaks against the whole residue: 1,3-partners, 2.3 to 2.6 Å apart, taken for bonded ones.
+const DOUBTFUL_EXCESS: f32 = 0.75;
 /// The same for bonds of hydrogen: as for distances. A hydrogen that has the name of another then goes to its nearest.
 const LONGEST_HYDROGEN_EXCESS: f32 = 0.45;
 /// The same for metals: Harding (Acta Cryst. D 2004, 60, 849) counts donors up to 0.75 Å beyond the usual length,
@@ -40,6 +42,8 @@ pub(super) struct LayoutBond {
     pub(super) hydrogen: bool,
     /// Square of the longest plausible length.
     pub(super) longest_squared: f32,
+    /// Square of the length from which on it speaks against the residue.
+    pub(super) doubtful_squared: f32,
 }
 
 /// What is known of an atom: [`Standing::UNKNOWN`], or how many of the partners that its template gives it are not there.
@@ -262,6 +266,7 @@ impl Match {
                         aromatic: bond.aromatic,
                         hydrogen,
                         longest_squared: (rules::radii(elements[0], elements[1]) + excess).powi(2),
+                        doubtful_squared: (rules::radii(elements[0], elements[1]) + excess.min(DOUBTFUL_EXCESS)).powi(2),
                     });
                 }
             }

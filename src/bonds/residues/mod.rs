@@ -6,7 +6,7 @@
 //! compares some hundred with the dictionary. Then every residue looks at its own lengths:
 //!
 //! - a bond that is too long or too short to be one is left out, and its atoms are given back to the distances;
-//! - where more than one of five is so, the residue is not what its name says, and all of it is.
+//! - where more than one of three is doubtful, the residue is not what its name says, and all of it is.
 //!
 //! Hydrogens that have other names are bonded by distance, as are atoms that the component does not have.
 
@@ -29,9 +29,10 @@ use std::collections::HashMap;
 use std::ops::Range;
 use template::Template;
 
-/// A residue with so large a part of its bonds longer than they can be is another molecule: 1/5. Poor models have one
-/// or two; molecules that share a name with a component, but not its bonds, have more than a third.
-const WRONG: (usize, usize) = (1, 5);
+/// A residue with more than this part of its bonds doubtful is another molecule: 1/3. In a molecule that shares the name
+/// and the atom names (C1, C2, …) of a component, but not its bonds, half of them are; in PDB entry 4HHB, whose side
+/// chains without density were never refined, at most 2 of 8.
+const WRONG: (usize, usize) = (1, 3);
 /// Residues in one piece of work.
 const RESIDUES_PER_TASK: usize = 4096;
 
@@ -175,12 +176,12 @@ fn apply(
             // Not a number is neither.
             let is_plausible = squared <= bond.longest_squared && !rules::is_too_near(squared.sqrt());
             heavy += usize::from(!bond.hydrogen);
+            wrong += usize::from(!bond.hydrogen && !(squared <= bond.doubtful_squared));
             if is_plausible {
                 let Bond { a, b, .. } = Bond::new(a as u32, b as u32, bond.order, source);
                 let (order, kind, aromatic) = (bond.order, bond.kind, bond.aromatic);
                 bonds.push(Bond { kind, aromatic, ..Bond::new(a, b, order, source) });
             } else {
-                wrong += usize::from(!bond.hydrogen);
                 standing[bond.a as usize] = Standing::UNKNOWN;
                 standing[bond.b as usize] = Standing::UNKNOWN;
             }
