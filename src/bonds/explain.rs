@@ -41,6 +41,16 @@ pub fn explain(structure: &Structure, frame: usize, options: &BondOptions) -> Ve
     let Some(frame) = structure.frames().get(frame) else { return Vec::new() };
     let positions = frame.positions.relative();
     let own: HashMap<_, &Bond> = structure.bonds().iter().map(|bond| (bond.key(), bond)).collect();
+    // The atom that each hydrogen is on, for the angles of hydrogen bonds.
+    let mut donors = HashMap::new();
+    for bond in bonds.iter().filter(|bond| options.hydrogen_bonds && bond.kind != BondKind::Hydrogen) {
+        for (atom, other) in [(bond.a, bond.b), (bond.b, bond.a)] {
+            if structure.elements()[atom as usize] == Element::H {
+                donors.insert(atom, other);
+            }
+        }
+    }
+    let context = Context { structure, positions, known: &known, options, donors };
     let vectors = frame.cell.as_ref().map(|cell| cell.vectors());
     let explained = |bond: &Bond| {
         let mut apart = positions[bond.b as usize] - positions[bond.a as usize];
@@ -51,23 +61,23 @@ pub fn explain(structure: &Structure, frame: usize, options: &BondOptions) -> Ve
         }
         let length = apart.length();
         let stated = own.get(&bond.key()).copied();
-        let reason = reason(structure, positions, &known, options, &bonds, bond, stated, length);
+        let reason = reason(&context, bond, stated, length);
         Explained { bond: *bond, length, reason }
     };
     bonds.iter().map(explained).collect()
 }
 
-#[allow(clippy::too_many_arguments, reason = "all that is known of a bond, in one place")]
-fn reason(
-    structure: &Structure,
-    positions: &[Vec3],
-    known: &Known,
-    options: &BondOptions,
-    bonds: &[Bond],
-    bond: &Bond,
-    stated: Option<&Bond>,
-    length: f32,
-) -> String {
+/// What reasons are made of.
+struct Context<'a> {
+    structure: &'a Structure,
+    positions: &'a [Vec3],
+    known: &'a Known,
+    options: &'a BondOptions,
+    donors: HashMap<u32, u32>,
+}
+
+fn reason(context: &Context<'_>, bond: &Bond, stated: Option<&Bond>, length: f32) -> String {
+    let Context { structure, positions, known, options, donors } = context;
     let residue = structure.residue_index(bond.a as usize);
     let inside = residue.filter(|_| residue == structure.residue_index(bond.b as usize));
     let component = inside.and_then(|residue| known.component(residue));
@@ -96,7 +106,7 @@ fn reason(
             links::Link::Phosphodiester => "dictionary: phosphodiester link".to_owned(),
         },
         BondSource::Distance if bond.kind == BondKind::Hydrogen => {
-            match hbonds::angle_deg(structure, positions, bonds, bond) {
+            match hbonds::angle_deg(structure, positions, donors, bond) {
                 Some((donor, angle)) => {
                     let acceptor = if structure.elements()[bond.a as usize] == Element::H { bond.b } else { bond.a };
                     let apart = positions[donor as usize].distance(positions[acceptor as usize]);
@@ -140,7 +150,10 @@ pub fn not_bonded(structure: &Structure, frame: usize, options: &BondOptions) ->
             && structure.flags(atom) & atom_flags::PARTICLE == 0
             && table.reach(table.species(elements[atom])) > 0.0
     };
-    let bonded = |atom: u32| bonds.iter().any(|bond| bond.a == atom || bond.b == atom);
+    let mut bonded = vec![false; elements.len()];
+    for atom in bonds.iter().filter(|bond| bond.kind != BondKind::Hydrogen).flat_map(|bond| [bond.a, bond.b]) {
+        bonded[atom as usize] = true;
+    }
     let grid = Grid::new(positions, elements, &table, is_atom);
     let near = grid.pairs(|a, b, length| {
         let is_bond = bonds.binary_search_by_key(&(a, b, [0; 3]), Bond::key).is_ok();
@@ -155,13 +168,15 @@ pub fn not_bonded(structure: &Structure, frame: usize, options: &BondOptions) ->
         }
         let role = [sites.role(one), sites.role(other)];
         let metal = elements[one].is_metal() || elements[other].is_metal();
-        let hydrogen = [(a, one), (b, other)].iter().any(|&(atom, at)| elements[at] == Element::H && bonded(atom));
+        let hydrogen = [one, other].iter().any(|&atom| elements[atom] == Element::H && bonded[atom]);
         Some(match () {
             () if rules::is_too_near(length) => "nearer than any two atoms can be",
             () if sites.are_alternatives(one, other) => "alternate locations",
             () if role.contains(&Role::Water) => "water stays apart",
             () if hydrogen => "the hydrogen has its bond",
-            () if !metal && known.iter().any(|standing| standing.is_full()) => "valence full: all partners of the dictionary are there",
+            () if !metal && known.iter().any(|standing| standing.is_full()) => {
+                "valence full: all partners of the dictionary are there"
+            }
             () if metal && role.contains(&Role::Ion) => "an ion floats unless it has three donors",
             () if metal => "no free electron pair towards the metal, or a nearer atom of the same group",
             () => "valence full, or too narrow an angle",

@@ -20,6 +20,7 @@ use super::sites::Sites;
 use crate::element::Element;
 use crate::structure::{Bond, BondKind, BondOrder, BondSource, Structure, atom_flags};
 use glam::Vec3;
+use std::collections::HashMap;
 
 /// Longest distance between donor and acceptor in ångström.
 const LONGEST: f32 = 3.5;
@@ -165,13 +166,18 @@ fn opens(atom: usize, partner: usize, positions: &[Vec3], neighbours: &Neighbour
     heavy.all(|other| cosine(positions[other], positions[atom], positions[partner]) <= 0.0)
 }
 
-/// The angle D–H···A in degrees of a hydrogen bond that begins at a hydrogen.
-pub(super) fn angle_deg(structure: &Structure, positions: &[Vec3], bonds: &[Bond], bond: &Bond) -> Option<(u32, f32)> {
+/// The donor and the angle D–H···A in degrees of a hydrogen bond that begins at a hydrogen; `donors` has the atom that
+/// each hydrogen is on.
+pub(super) fn angle_deg(
+    structure: &Structure,
+    positions: &[Vec3],
+    donors: &HashMap<u32, u32>,
+    bond: &Bond,
+) -> Option<(u32, f32)> {
     let is_hydrogen = |atom: u32| structure.elements().get(atom as usize) == Some(&Element::H);
     let hydrogen = [bond.a, bond.b].into_iter().find(|&atom| is_hydrogen(atom))?;
     let acceptor = if hydrogen == bond.a { bond.b } else { bond.a };
-    let own = bonds.iter().find(|own| own.kind != BondKind::Hydrogen && (own.a == hydrogen || own.b == hydrogen))?;
-    let donor = if own.a == hydrogen { own.b } else { own.a };
+    let donor = *donors.get(&hydrogen)?;
     let [d, h, a] = [donor, hydrogen, acceptor].map(|atom| positions.get(atom as usize).copied());
     Some((donor, cosine(d?, h?, a?).clamp(-1.0, 1.0).acos().to_degrees()))
 }

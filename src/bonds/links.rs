@@ -133,6 +133,7 @@ fn link(
 
 /// Which link a bond between two residues is.
 pub(super) fn of(structure: &Structure, bond: &Bond) -> Link {
-    let is_phosphorus = [bond.a, bond.b].iter().any(|&atom| structure.elements().get(atom as usize) == Some(&Element::P));
+    let is_phosphorus =
+        [bond.a, bond.b].iter().any(|&atom| structure.elements().get(atom as usize) == Some(&Element::P));
     if is_phosphorus { Link::Phosphodiester } else { Link::Peptide }
 }

@@ -25,8 +25,7 @@ pub(super) fn parse(text: &str) -> Vec<(String, Component)> {
     while let Some(line) = lines.next() {
         let id = line.strip_prefix('>').expect("a line with an id").to_owned();
         let atoms = lines.next().expect("a line of atoms").split_whitespace().map(parse_atom).collect();
-        let mut bonds: Vec<_> =
-            lines.next().expect("a line of bonds").split_whitespace().map(parse_bond).collect();
+        let mut bonds: Vec<_> = lines.next().expect("a line of bonds").split_whitespace().map(parse_bond).collect();
         bonds.sort_unstable();
         out.push((id, Component { atoms, bonds }));
     }
@@ -146,10 +145,8 @@ fn pack_component(
         let mut back: Vec<&DictionaryBond> =
             component.bonds.iter().filter(|bond| usize::from(bond.b) == number).collect();
         back.sort_by_key(|bond| std::cmp::Reverse(bond.a));
-        let usual = atom.element == Element::H
-            && back.len() == 1
-            && back[0].order == BondOrder::Single
-            && !back[0].aromatic;
+        let usual =
+            atom.element == Element::H && back.len() == 1 && back[0].order == BondOrder::Single && !back[0].aromatic;
         if usual {
             let step = i64::from(back[0].a) - last_parent;
             varint(&mut streams[Stream::Parent as usize], model::zigzag(step) + 1);

@@ -12,7 +12,8 @@ const ALIASES: [(&str, &[&str]); 9] = [
     (
         "HIS",
         &[
-            "HSD", "HSE", "HSP", "HID", "HIE", "HIP", "HISD", "HISE", "HISP", "HISH", "HISA", "HISB", "HIS1", "HIS2", "HSH",
+            "HSD", "HSE", "HSP", "HID", "HIE", "HIP", "HISD", "HISE", "HISP", "HISH", "HISA", "HISB", "HIS1", "HIS2",
+            "HSH",
         ],
     ),
     ("CYS", &["CYX", "CYM", "CYS2", "CYS1", "CYSH", "CYSS", "CYN"]),
@@ -72,8 +73,8 @@ pub(super) fn is_delta_histidine(name: &str) -> bool {
 }
 
 const AMINO_ACIDS: [&str; 21] = [
-    "ALA", "ARG", "ASN", "ASP", "CYS", "GLN", "GLU", "GLY", "HIS", "ILE", "LEU", "LYS", "MET", "PHE", "PRO", "SER", "THR",
-    "TRP", "TYR", "VAL", "HYP",
+    "ALA", "ARG", "ASN", "ASP", "CYS", "GLN", "GLU", "GLY", "HIS", "ILE", "LEU", "LYS", "MET", "PHE", "PRO", "SER",
+    "THR", "TRP", "TYR", "VAL", "HYP",
 ];
 
 /// AMBER's names of terminal residues: N or C before the residue's (`NALA`, `CHIE`).

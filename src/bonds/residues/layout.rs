@@ -191,9 +191,10 @@ fn fit(atoms: &Atoms<'_>, template: &Template) -> Option<(i64, Match)> {
     for (number, places) in (0u32..).zip(&mut found.places) {
         let codes = |place: u32| atoms.altloc(place as usize);
         let distinct = places.len() < 2
-            || places.len() < 256 && places.iter().enumerate().all(|(i, &place)| {
-                codes(place) != b' ' && places[..i].iter().all(|&other| codes(other) != codes(place))
-            });
+            || places.len() < 256
+                && places.iter().enumerate().all(|(i, &place)| {
+                    codes(place) != b' ' && places[..i].iter().all(|&other| codes(other) != codes(place))
+                });
         if distinct {
             for &place in places.iter() {
                 found.of_place[place as usize] = Some(number);
@@ -228,13 +229,11 @@ impl Match {
                 }
             }
         }
-        let standing = |atom: usize| {
-            Standing::new(missing[atom], template.elements[atom] == Some(Element::C) && !heavy[atom])
-        };
+        let standing =
+            |atom: usize| Standing::new(missing[atom], template.elements[atom] == Some(Element::C) && !heavy[atom]);
         let of_template: Vec<Standing> = (0..count).map(standing).collect();
-        let standing = self.of_place.iter().map(|number| {
-            number.map_or(Standing::UNKNOWN, |number| of_template[number as usize])
-        });
+        let standing =
+            self.of_place.iter().map(|number| number.map_or(Standing::UNKNOWN, |number| of_template[number as usize]));
         let mut bonds = Vec::new();
         for bond in &template.bonds {
             for &one in &self.places[usize::from(bond.a)] {
@@ -244,9 +243,8 @@ impl Match {
                         continue;
                     }
                     let elements = [atoms.element(one as usize), atoms.element(other as usize)];
-                    let is_linear = |end: u16, element: Element| {
-                        element.group() == 12 && partners[usize::from(end)] <= 2
-                    };
+                    let is_linear =
+                        |end: u16, element: Element| element.group() == 12 && partners[usize::from(end)] <= 2;
                     // A dictionary gives coordination as single bonds; a terminal oxide has two.
                     let is_coordination = metal::is_coordination(elements[0], elements[1])
                         && bond.order <= BondOrder::Single
@@ -266,7 +264,8 @@ impl Match {
                         aromatic: bond.aromatic,
                         hydrogen,
                         longest_squared: (rules::radii(elements[0], elements[1]) + excess).powi(2),
-                        doubtful_squared: (rules::radii(elements[0], elements[1]) + excess.min(DOUBTFUL_EXCESS)).powi(2),
+                        doubtful_squared: (rules::radii(elements[0], elements[1]) + excess.min(DOUBTFUL_EXCESS))
+                            .powi(2),
                     });
                 }
             }

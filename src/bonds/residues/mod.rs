@@ -142,7 +142,8 @@ fn fingerprint(structure: &Structure, range: &Range<usize>) -> u64 {
 }
 
 fn are_alike(structure: &Structure, one: &Range<usize>, other: &Range<usize>) -> bool {
-    let same = |a: usize, b: usize| structure.altloc(a) == structure.altloc(b) && structure.flags(a) == structure.flags(b);
+    let same =
+        |a: usize, b: usize| structure.altloc(a) == structure.altloc(b) && structure.flags(a) == structure.flags(b);
     let (names, elements) = (structure.atom_names(), structure.elements());
     names.get(one.clone()) == names.get(other.clone())
         && elements.get(one.clone()) == elements.get(other.clone())
