@@ -265,3 +265,91 @@ fn accepts(structure: &Structure, neighbours: &Neighbours, atom: usize) -> bool 
         _ => false,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{BondOptions, find};
+    use super::*;
+    use crate::structure::{AtomRecord, Diagnostics, StructureBuilder};
+    use glam::DVec3;
+
+    /// Name, element, position, residue name, alternate location; each residue name change begins a residue.
+    type Atom = (&'static str, &'static str, [f64; 3], &'static str, u8);
+
+    fn hydrogen_bonds(atoms: &[Atom]) -> Vec<(u32, u32)> {
+        let mut builder = StructureBuilder::new();
+        let mut number = 0;
+        for (index, &(name, symbol, position, residue, altloc)) in atoms.iter().enumerate() {
+            if index == 0 || residue != atoms[index - 1].3 || name == "O" && residue == "HOH" {
+                number += 10; // no neighbours in a chain
+            }
+            builder.push_atom(&AtomRecord {
+                element: Element::from_symbol(symbol).unwrap(),
+                position: DVec3::from(position),
+                name,
+                residue: Some(("A", number, b' ', residue)),
+                altloc,
+                ..AtomRecord::default()
+            });
+        }
+        let structure = builder.build(&mut Diagnostics::default());
+        let options = BondOptions { hydrogen_bonds: true, ..BondOptions::default() };
+        let bonds = find(&structure, 0, &options);
+        assert!(bonds.is_sorted_by_key(Bond::key));
+        bonds.iter().filter(|bond| bond.kind == BondKind::Hydrogen).map(|bond| (bond.a, bond.b)).collect()
+    }
+
+    #[test]
+    fn waters_with_hydrogens_bond_from_the_hydrogen() {
+        let dimer = |h: [f64; 3]| {
+            [
+                ("O", "O", [0.0; 3], "HOH", b' '),
+                ("H1", "H", h, "HOH", b' '),
+                ("H2", "H", [-0.24, 0.93, 0.0], "HOH", b' '),
+                ("O", "O", [2.9, 0.0, 0.0], "HOH", b' '),
+                ("H1", "H", [3.3, 0.5, 0.7], "HOH", b' '),
+                ("H2", "H", [3.3, 0.5, -0.7], "HOH", b' '),
+            ]
+        };
+        assert_eq!(hydrogen_bonds(&dimer([0.96, 0.0, 0.0])), [(1, 3)]);
+        // 114° at the hydrogen.
+        assert!(hydrogen_bonds(&dimer([0.48, 0.0, 0.83])).is_empty());
+    }
+
+    #[test]
+    fn without_hydrogens_the_angles_at_both_ends_decide() {
+        let waters = [("O", "O", [0.0; 3], "HOH", b' '), ("O", "O", [2.8, 0.0, 0.0], "HOH", b' ')];
+        assert_eq!(hydrogen_bonds(&waters), [(0, 1)]);
+        let amide = |n: [f64; 3]| {
+            [
+                ("C", "C", [0.0; 3], "GLY", b' '),
+                ("O", "O", [1.23, 0.0, 0.0], "GLY", b' '),
+                ("N", "N", n, "ALA", b' '),
+                ("CA", "C", [n[0] + 0.8, n[1] + 1.2, 0.0], "ALA", b' '),
+            ]
+        };
+        assert_eq!(hydrogen_bonds(&amide([3.9, 1.0, 0.0])), [(1, 2)]);
+        assert!(hydrogen_bonds(&amide([5.0, 0.0, 0.0])).is_empty()); // 3.77 Å
+        assert!(hydrogen_bonds(&amide([0.4, 2.8, 0.0])).is_empty()); // behind the oxygen
+    }
+
+    #[test]
+    fn what_has_nothing_to_give_or_to_take_has_none() {
+        // Two carbonyls; two ends of one carboxylate; two alternatives.
+        let carbonyls = [
+            ("C", "C", [0.0; 3], "GLY", b' '),
+            ("O", "O", [1.23, 0.0, 0.0], "GLY", b' '),
+            ("C", "C", [5.2, 0.0, 0.0], "ALA", b' '),
+            ("O", "O", [3.97, 0.0, 0.0], "ALA", b' '),
+        ];
+        assert!(hydrogen_bonds(&carbonyls).is_empty());
+        let carboxylate = [
+            ("CG", "C", [0.0; 3], "ASP", b' '),
+            ("OD1", "O", [0.6, 1.1, 0.0], "ASP", b' '),
+            ("OD2", "O", [0.6, -1.15, 0.0], "ASP", b' '),
+        ];
+        assert!(hydrogen_bonds(&carboxylate).is_empty());
+        let alternatives = [("O", "O", [0.0; 3], "HOH", b'A'), ("O", "O", [2.8, 0.0, 0.0], "HOH", b'B')];
+        assert!(hydrogen_bonds(&alternatives).is_empty());
+    }
+}
