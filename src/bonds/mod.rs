@@ -1,14 +1,25 @@
-//! Bonds: what the file states, completed by what the geometry says.
+//! Bonds: what the file states, completed by what residues are known to be and by what the geometry says.
 //!
 //! The sources in the order of their word, each giving only bonds that no earlier one has settled:
 //!
 //! 1. the file's own list. A complete one (SDF, MOL2, JSON) is exactly the bonds and nothing is added; of a partial one
-//!    (CONECT, LINK, SSBOND, `_struct_conn`) every bond stays as it is, however long;
-//! 2. residue knowledge (component dictionary, polymer links) stands here in the order;
-//! 3. distance (`distance`): every pair that no source above has settled.
+//!    (CONECT, LINK, SSBOND, `_struct_conn`) every bond stays, however long. A bond there that has no order of its own (CONECT
+//!    listed once, LINK) takes that of the next source, if this knows it;
+//! 2. the residues ([`residues`]): the file's own `_chem_comp_bond`, then the wwPDB Chemical Component Dictionary
+//!    ([`dictionary`]) by atom names, elements and plausible lengths, and the links of polymers ([`links`]);
+//! 3. distance ([`distance`]): every pair that no source above has settled. Two atoms that a component knows have no other
+//!    bonds inside their residue; one whose partners are all there has none outside but to metals, and a carbon that
+//!    lacks only hydrogens none but close ones;
+//! 4. hydrogen bonds ([`hbonds`]), if asked for, among the atoms with all these bonds.
 //!
-//! Orders and aromaticity are a further step after these: distances give single bonds ([`BondOrder::Single`]) and
-//! coordination without an order ([`BondOrder::Unknown`]).
+//! Bonds of metals to donors are [`BondKind::Coordination`] without an order, whoever names them, but for the double bonds
+//! of terminal oxides and the like.
+//!
+//! Orders and aromaticity of what no residue knows are a further step after these: distances give single bonds
+//! ([`BondOrder::Single`]) and coordination without an order ([`BondOrder::Unknown`]).
+//!
+//! [`BondMode::File`] takes 1 and the file's own part of 2, [`BondMode::Perceive`] 3 alone. [`explain`] says of each bond
+//! where it comes from.
 //!
 //! The result is the same for every order of the atoms, up to ties, which the lower index wins, and for every
 //! number of threads.
@@ -42,10 +53,10 @@ use residues::Known;
 /// Where bonds come from; the names are those of `--bonds`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum BondMode {
-    /// The file's bonds, completed by perception where the file does not give all.
+    /// The file's bonds, completed by the component dictionary and by distance where the file does not give all.
     #[default]
     Auto,
-    /// Only the bonds the file states.
+    /// Only the bonds the file states, those inside residues by atom names (`_chem_comp_bond`) among them.
     File,
     /// Only perception: neither the file's bonds nor residue knowledge.
     Perceive,

@@ -154,7 +154,7 @@ fn a_molecule_that_has_the_name_of_another_is_bonded_by_distance() {
         ("C1", "C", [1.5, 0.0, 0.0], "GOL", 1, b' '),
         ("C3", "C", [3.0, 0.0, 0.0], "GOL", 1, b' '),
         ("O3", "O", [0.0, 1.4, 0.0], "GOL", 1, b' '),
-        ("O2", "O", [1.5, 1.4, 0.0], "GOL", 1, b' '),
+        ("O2", "O", [1.5, -1.4, 0.0], "GOL", 1, b' '),
         ("O1", "O", [3.0, 1.4, 0.0], "GOL", 1, b' '),
     ];
     let got = auto(&other);
@@ -287,8 +287,9 @@ fn an_atom_with_all_its_partners_takes_no_contacts() {
     let got = auto(&atoms);
     assert_eq!(pairs(&got), [(0, 1), (1, 2), (2, 3)]);
     assert_eq!(got[1].source, BondSource::Distance);
-    for (apart, count) in [(1.82, 2), (2.15, 1)] {
+    for (apart, count) in [(1.82, 3), (2.15, 2)] {
         let thioether = [
+            ("C3B", "C", [0.0, -1.45, 0.0], "HEM", 1, b' '),
             ("CAB", "C", [0.0; 3], "HEM", 1, b' '),
             ("CBB", "C", [0.0, 1.34, 0.0], "HEM", 1, b' '),
             ("SG", "S", [apart, 0.0, 0.0], "CYS", 2, b' '),
