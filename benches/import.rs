@@ -12,8 +12,13 @@ use std::hint::black_box;
 type Writer = (&'static str, fn(usize) -> String);
 
 fn import(c: &mut Criterion) {
-    let formats: [Writer; 4] =
-        [("pdb", common::pdb), ("xyz", common::xyz), ("sdf", common::sdf), ("json", common::json)];
+    let formats: [Writer; 5] = [
+        ("pdb", common::pdb),
+        ("cif", common::cif),
+        ("xyz", common::xyz),
+        ("sdf", common::sdf),
+        ("json", common::json),
+    ];
     let options = ImportOptions::default();
     for (name, write) in formats {
         let mut group = c.benchmark_group(format!("import_{name}"));

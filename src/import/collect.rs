@@ -44,21 +44,29 @@ impl Records {
         }
     }
 
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// As [`Records::push`]; the index of the record, `None` if it is left out, being one too many.
+    pub(super) fn push_record(&mut self, structure: Structure) -> Option<usize> {
+        let before = self.left_out;
+        self.push(structure);
+        (self.left_out == before).then(|| self.list.len() - 1)
+    }
+
     /// Adds a model or frame: a further frame of the last record if that has the same atoms, else a new record.
     /// What a further frame says beside positions, cell and title (bonds, charges, vectors) is the first one's.
     /// Returns the index of the record; `None` if it is left out, being one too many.
     pub(super) fn push_frame(&mut self, structure: Structure) -> Option<usize> {
         match self.list.last_mut() {
-            Some(last) if same_atoms(last, &structure) => last.frames.extend(structure.frames),
-            _ => {
-                let before = self.left_out;
-                self.push(structure);
-                if self.left_out > before {
-                    return None;
-                }
+            Some(last) if same_atoms(last, &structure) => {
+                last.frames.extend(structure.frames);
+                self.list.len().checked_sub(1)
             }
+            _ => self.push_record(structure),
         }
-        self.list.len().checked_sub(1)
     }
 
     /// Replaces a record by what `change` makes of it.

@@ -30,13 +30,15 @@ pub(super) fn detect(text: &[u8], name_hint: &str, diagnostics: &mut Diagnostics
     match (by_content, by_name) {
         (Some(Detected::Json), _) => Ok(Detected::Json),
         (Some(found @ Detected::Format(format)), named) => {
-            if let Some(named) = named.filter(|&named| named != format) {
+            // Both kinds of CIF go by the extension `cif`.
+            let cif = |format| matches!(format, Format::Cif | Format::Mmcif);
+            if let Some(named) = named.filter(|&named| named != format && !(cif(named) && cif(format))) {
                 diagnostics
                     .warn(None, format!("the name says {named}, but the content is {format} and is read as that"));
             }
             Ok(found)
         }
-        (None, Some(Format::BallstickJson | Format::ChemicalJson | Format::ImoleculeJson)) => {
+        (None, Some(named)) if named.is_json() => {
             Err(Error::input(1, "the name says JSON, but the content does not begin with `{`"))
         }
         (None, _) if looks_binary(text) => {
@@ -45,7 +47,7 @@ pub(super) fn detect(text: &[u8], name_hint: &str, diagnostics: &mut Diagnostics
         (None, Some(named)) => Ok(Detected::Format(named)),
         (None, None) => Err(Error::input(
             None,
-            "neither the content nor the name tells the format; name it (pdb, xyz, sdf, json, cjson, imolecule)",
+            "neither the content nor the name tells the format; name it (pdb, xyz, sdf, mol2, mmcif, cif, json, cjson, …)",
         )),
     }
 }
@@ -69,8 +71,14 @@ fn by_content(text: &[u8]) -> Result<Option<Detected>> {
     }
     let head = &text[..text.len().min(LOOK_BYTES)];
     let lines: Vec<&[u8]> = Lines::new(head, LOOK_BYTES).collect();
+    if let Some(format) = cif_kind(&lines) {
+        return Ok(Some(Detected::Format(format)));
+    }
     if lines.iter().take(12).any(|line| sdf::is_counts_line(line)) {
         return Ok(Some(Detected::Format(Format::Sdf)));
+    }
+    if lines.iter().any(|line| line.starts_with(b"@<TRIPOS>")) {
+        return Ok(Some(Detected::Format(Format::Mol2)));
     }
     if let Some(format) = unread_format(&lines) {
         return Err(Error::Unsupported(format!("this is a file in {format} format, which is not read")));
@@ -100,6 +108,18 @@ fn begins_as_pdb(lines: &[&[u8]]) -> bool {
         .is_some_and(|line| RECORDS.iter().any(|record| line.starts_with(record) || **line == *record.trim_ascii_end()))
 }
 
+/// A CIF begins with `data_`, comments aside. The names of macromolecular ones have a dot; the reader tells the kind
+/// for sure.
+fn cif_kind(lines: &[&[u8]]) -> Option<Format> {
+    let first = lines.iter().find(|line| !is_blank_line(line) && !line.trim_ascii_start().starts_with(b"#"))?;
+    let block = first.trim_ascii_start().get(..5)?;
+    if !block.eq_ignore_ascii_case(b"data_") {
+        return None;
+    }
+    let name = lines.iter().filter_map(|line| words(line).next()).find(|word| word.starts_with(b"_"));
+    Some(if name.is_some_and(|name| name.contains(&b'.')) { Format::Mmcif } else { Format::Cif })
+}
+
 /// An atom count alone on its line, and atoms two lines below (or nothing, in a file that was cut there).
 fn is_xyz(lines: &[&[u8]]) -> bool {
     let Some(first) = lines.iter().position(|line| !is_blank_line(line)) else { return false };
@@ -113,16 +133,13 @@ fn is_xyz(lines: &[&[u8]]) -> bool {
 fn unread_format(lines: &[&[u8]]) -> Option<&'static str> {
     let first = lines.iter().find(|line| !is_blank_line(line) && !line.starts_with(b"#"))?;
     let starts = |word: &[u8]| first.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word));
-    if starts(b"data_") {
-        return Some("CIF");
-    }
     if starts(b"$RXN") || starts(b"$MDL") {
         return Some("MDL reaction or Rgroup");
     }
     if starts(b"<?xml") || starts(b"<") {
         return Some("XML");
     }
-    lines.iter().any(|line| line.starts_with(b"@<TRIPOS>")).then_some("MOL2")
+    None
 }
 
 #[cfg(test)]
@@ -139,12 +156,19 @@ mod tests {
 
     #[test]
     fn content_goes_before_the_name() {
-        for (text, format) in [(ATOM, Format::Pdb), (XYZ, Format::Xyz), (MOL, Format::Sdf)] {
+        let mol2 = "# from somewhere\n\n@<TRIPOS>MOLECULE\n";
+        for (text, format) in [(ATOM, Format::Pdb), (XYZ, Format::Xyz), (MOL, Format::Sdf), (mol2, Format::Mol2)] {
             for name in ["", "a.pdb", "a.xyz.gz", "a.json"] {
                 assert_eq!(run(text, name).unwrap(), Detected::Format(format), "{text} {name}");
             }
         }
         assert_eq!(run(" {\"atoms\": []}", "a.pdb").unwrap(), Detected::Json);
+        for (text, format) in [
+            ("# x\n\nDATA_1abc\n_entry.id 1abc\n", Format::Mmcif),
+            ("data_x\nloop_\n_publ_author_name\na\n", Format::Cif),
+        ] {
+            assert_eq!(run(text, "").unwrap(), Detected::Format(format), "{text}");
+        }
         assert_eq!(run("REMARK only\nATOM\n", "").unwrap(), Detected::Format(Format::Pdb));
     }
 
@@ -164,7 +188,7 @@ mod tests {
 
     #[test]
     fn what_is_not_read_is_named() {
-        for (text, word) in [("data_1ABC\nloop_\n", "CIF"), ("@<TRIPOS>MOLECULE\n", "MOL2"), ("<?xml ?>", "XML")] {
+        for (text, word) in [("$RXN\n", "reaction"), ("<?xml ?>", "XML")] {
             let error = run(text, "a.pdb").unwrap_err();
             assert!(matches!(&error, Error::Unsupported(message) if message.contains(word)), "{error}");
         }

@@ -9,10 +9,12 @@
 //!
 //! Limits: the whole file is held in memory while it is read.
 
+mod cif;
 mod collect;
 mod decompress;
 mod detect;
 mod json;
+mod mol2;
 mod number;
 mod pdb;
 mod sdf;
@@ -74,20 +76,58 @@ pub enum Format {
     Pdb,
     /// XYZ and extended XYZ.
     Xyz,
-    /// MDL MOL and SD files, V2000.
+    /// MDL MOL and SD files, V2000 and V3000.
     Sdf,
+    /// Tripos MOL2.
+    Mol2,
+    /// CIF of macromolecules and ligands (PDBx/mmCIF).
+    Mmcif,
+    /// CIF of small molecules and crystals.
+    Cif,
     /// Our own JSON.
     BallstickJson,
     /// Chemical JSON (Avogadro).
     ChemicalJson,
     /// The JSON of imolecule.
     ImoleculeJson,
+    /// QCSchema: molecules, inputs and results of the MolSSI's quantum chemistry schema.
+    QcSchema,
+    /// PubChem's JSON of compound records.
+    PubChemJson,
+    /// The JSON of ChemDoodle.
+    ChemDoodleJson,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: [Format; 6] =
-        [Format::Pdb, Format::Xyz, Format::Sdf, Format::BallstickJson, Format::ChemicalJson, Format::ImoleculeJson];
+    pub const ALL: [Format; 12] = [
+        Format::Pdb,
+        Format::Xyz,
+        Format::Sdf,
+        Format::Mol2,
+        Format::Mmcif,
+        Format::Cif,
+        Format::BallstickJson,
+        Format::ChemicalJson,
+        Format::ImoleculeJson,
+        Format::QcSchema,
+        Format::PubChemJson,
+        Format::ChemDoodleJson,
+    ];
+
+    /// Whether it is one of the JSON dialects.
+    #[must_use]
+    pub fn is_json(self) -> bool {
+        matches!(
+            self,
+            Format::BallstickJson
+                | Format::ChemicalJson
+                | Format::ImoleculeJson
+                | Format::QcSchema
+                | Format::PubChemJson
+                | Format::ChemDoodleJson
+        )
+    }
 
     /// The name on the command line and in `info --json`.
     #[must_use]
@@ -96,9 +136,15 @@ impl Format {
             Format::Pdb => "pdb",
             Format::Xyz => "xyz",
             Format::Sdf => "sdf",
+            Format::Mol2 => "mol2",
+            Format::Mmcif => "mmcif",
+            Format::Cif => "cif",
             Format::BallstickJson => "json",
             Format::ChemicalJson => "cjson",
             Format::ImoleculeJson => "imolecule",
+            Format::QcSchema => "qcschema",
+            Format::PubChemJson => "pubchem",
+            Format::ChemDoodleJson => "chemdoodle",
         }
     }
 
@@ -120,6 +166,9 @@ impl Format {
             }
             "extxyz" | "exyz" => Some(Format::Xyz),
             "mol" | "sd" | "mdl" => Some(Format::Sdf),
+            "ml2" | "sy2" => Some(Format::Mol2),
+            // Magnetic structures.
+            "mcif" => Some(Format::Cif),
             _ => Format::ALL.into_iter().find(|format| format.name() == name),
         }
     }
@@ -236,9 +285,14 @@ fn read_plain(
     let mut records = collect::Records::new(&options.limits);
     let format = match format {
         detect::Detected::Json => json::read(&text, None, &mut records, &mut diagnostics)?,
-        detect::Detected::Format(format @ (Format::BallstickJson | Format::ChemicalJson | Format::ImoleculeJson)) => {
-            json::read(&text, Some(format), &mut records, &mut diagnostics)?
-        }
+        detect::Detected::Format(
+            format @ (Format::BallstickJson
+            | Format::ChemicalJson
+            | Format::ImoleculeJson
+            | Format::QcSchema
+            | Format::PubChemJson
+            | Format::ChemDoodleJson),
+        ) => json::read(&text, Some(format), &mut records, &mut diagnostics)?,
         detect::Detected::Format(format @ Format::Pdb) => {
             pdb::read(&text, &mut records, &mut diagnostics)?;
             format
@@ -247,8 +301,13 @@ fn read_plain(
             xyz::read(&text, &mut records, &mut diagnostics)?;
             format
         }
+        detect::Detected::Format(Format::Mmcif | Format::Cif) => cif::read(&text, &mut records, &mut diagnostics)?,
         detect::Detected::Format(format @ Format::Sdf) => {
             sdf::read(&text, &mut records, &mut diagnostics)?;
+            format
+        }
+        detect::Detected::Format(format @ Format::Mol2) => {
+            mol2::read(&text, &mut records, &mut diagnostics)?;
             format
         }
     };

@@ -172,7 +172,7 @@ pub(super) struct Repeated {
 }
 
 impl Repeated {
-    /// Notes one more; `example` is asked for the first time only.
+    /// Notes one more (line 0 for what stands on no line); `example` is asked for the first time only.
     #[cold]
     pub(super) fn note(&mut self, line: u64, example: impl FnOnce() -> String) {
         if self.count == 0 {
@@ -180,6 +180,15 @@ impl Repeated {
             self.example = example();
         }
         self.count += 1;
+    }
+
+    /// Adds what was noted elsewhere, further on in the file.
+    pub(super) fn absorb(&mut self, later: Repeated) {
+        let count = self.count + later.count;
+        if self.count == 0 {
+            *self = later;
+        }
+        self.count = count;
     }
 
     /// The message with how often, and the line of the first; `None` if there was none.
@@ -190,13 +199,13 @@ impl Repeated {
 
     pub(super) fn warn(&self, diagnostics: &mut Diagnostics) {
         if let Some((line, message)) = self.message() {
-            diagnostics.warn(Some(line), message);
+            diagnostics.warn((line > 0).then_some(line), message);
         }
     }
 
     pub(super) fn error(&self, diagnostics: &mut Diagnostics) {
         if let Some((line, message)) = self.message() {
-            diagnostics.error(Some(line), message);
+            diagnostics.error((line > 0).then_some(line), message);
         }
     }
 }

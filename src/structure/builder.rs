@@ -1,8 +1,10 @@
 //! How importers fill a [`Structure`]: atom by atom, then frames, then bonds.
 
+mod append;
+
 use super::{
     Bond, BondStereo, Cell, ComponentBonds, Diagnostics, Frame, NameId, Names, Positions, Residue, SecondaryElement,
-    StatedBonds, Structure, Symmetry, VectorField, bond,
+    StatedBonds, StereoMark, Structure, Symmetry, VectorField, bond,
 };
 use crate::element::Element;
 use glam::DVec3;
@@ -127,16 +129,50 @@ impl StructureBuilder {
         self.decimals = decimals.min(Positions::MAX_DECIMALS);
     }
 
+    /// Room for some more atoms with names and residues, so that the columns need not be moved as they grow.
+    pub fn reserve(&mut self, atoms: usize) {
+        self.element.reserve(atoms);
+        self.points.reserve(atoms);
+        self.atom_name.reserve(atoms);
+        self.residue_of_atom.reserve(atoms);
+    }
+
     /// Adds an atom and returns its index. A residue that differs from the last atom's starts a new one.
     pub fn push_atom(&mut self, atom: &AtomRecord<'_>) -> u32 {
         let index = self.element.len();
-        self.element.push(atom.element);
-        self.points.push(atom.position);
         if let Some(residue) = atom.residue {
             self.push_residue(index, residue);
         } else if !self.residue_of_atom.is_empty() {
             self.push_residue(index, ("", 0, b' ', ""));
         }
+        self.push_columns(index, atom)
+    }
+
+    /// Starts a residue for the atoms that [`StructureBuilder::push_residue_atom`] adds, even if it has the chain,
+    /// number, insertion code and name of the last one.
+    pub fn begin_residue(&mut self, chain: &str, number: i32, insertion_code: u8, name: &str) {
+        let index = self.element.len();
+        self.name_atoms_without_residue(index);
+        let name = self.names.intern(name);
+        let chain = self.names.intern(chain);
+        let chain = self.chain_index(chain);
+        let first_atom = u32::try_from(index).unwrap_or(u32::MAX);
+        self.residues.push(Residue { name, number, insertion_code, chain, first_atom });
+    }
+
+    /// Adds an atom to the residue begun last, whatever [`AtomRecord::residue`] says, and returns its index.
+    pub fn push_residue_atom(&mut self, atom: &AtomRecord<'_>) -> u32 {
+        let index = self.element.len();
+        if self.residues.is_empty() {
+            self.begin_residue("", 0, b' ', "");
+        }
+        self.residue_of_atom.push(u32::try_from(self.residues.len() - 1).unwrap_or(u32::MAX));
+        self.push_columns(index, atom)
+    }
+
+    fn push_columns(&mut self, index: usize, atom: &AtomRecord<'_>) -> u32 {
+        self.element.push(atom.element);
+        self.points.push(atom.position);
         if !self.atom_name.is_empty() || !atom.name.is_empty() {
             let name = self.names.intern(atom.name);
             self.atom_name.resize(index, NameId::default());
@@ -164,13 +200,7 @@ impl StructureBuilder {
     }
 
     fn push_residue(&mut self, index: usize, (chain, number, insertion_code, name): (&str, i32, u8, &str)) {
-        if self.residue_of_atom.len() < index {
-            // The first atom with a residue after atoms without: those form one unnamed residue.
-            let unnamed = self.names.intern("");
-            let chain = self.chain_index(unnamed);
-            self.residues.push(Residue { name: unnamed, number: 0, insertion_code: b' ', chain, first_atom: 0 });
-            self.residue_of_atom.resize(index, 0);
-        }
+        self.name_atoms_without_residue(index);
         let name = self.names.intern(name);
         let chain_name = self.names.intern(chain);
         let same = self.residues.last().is_some_and(|last| {
@@ -187,6 +217,16 @@ impl StructureBuilder {
         self.residue_of_atom.push(u32::try_from(self.residues.len() - 1).unwrap_or(u32::MAX));
     }
 
+    /// Before the first atom with a residue: the atoms without one form one unnamed residue.
+    fn name_atoms_without_residue(&mut self, index: usize) {
+        if self.residue_of_atom.len() < index {
+            let unnamed = self.names.intern("");
+            let chain = self.chain_index(unnamed);
+            self.residues.push(Residue { name: unnamed, number: 0, insertion_code: b' ', chain, first_atom: 0 });
+            self.residue_of_atom.resize(index, 0);
+        }
+    }
+
     fn chain_index(&mut self, chain: NameId) -> u32 {
         let last = self.residues.last().map(|residue| residue.chain);
         if let Some(index) = last.filter(|&index| self.chains[index as usize] == chain) {
@@ -198,6 +238,16 @@ impl StructureBuilder {
             self.chains.push(chain);
         }
         index
+    }
+
+    /// Replaces every position of the first frame by `place(position)`; `false` as soon as one does not satisfy `is_sound`
+    /// (fractional coordinates are placed once the cell is known).
+    #[must_use]
+    pub fn map_positions(&mut self, place: impl Fn(DVec3) -> DVec3, is_sound: impl Fn(DVec3) -> bool) -> bool {
+        self.points.iter_mut().all(|point| {
+            *point = place(*point);
+            is_sound(*point)
+        })
     }
 
     /// Replaces the formal charge of an atom (property lines come after the atoms in some formats).
@@ -226,7 +276,7 @@ impl StructureBuilder {
         self.bonds.push(bond);
     }
 
-    /// Adds a stereo mark for the bond from atom `from` to atom `to`.
+    /// Adds a stereo mark for the bond from atom `from` (the narrow end of a wedge) to atom `to`.
     pub fn push_bond_stereo(&mut self, from: u32, to: u32, stereo: BondStereo) {
         self.bond_stereo.push((from, to, stereo));
     }
@@ -311,7 +361,7 @@ impl StructureBuilder {
             .filter_map(|&(from, to, stereo)| {
                 let key = (from.min(to), from.max(to), [0; 3]);
                 let index = bonds.binary_search_by_key(&key, Bond::key).ok()?;
-                Some((u32::try_from(index).ok()?, stereo))
+                Some(StereoMark { bond: u32::try_from(index).ok()?, from, stereo })
             })
             .collect();
         Structure {
@@ -402,10 +452,11 @@ mod tests {
         builder.push_bond(Bond::new(0, 1, BondOrder::Single, BondSource::File));
         builder.push_bond_stereo(2, 1, BondStereo::Up);
         let structure = builder.build(&mut Diagnostics::default());
-        assert_eq!(structure.bond_stereo(), [(1, BondStereo::Up)]);
+        let up = |bond| [StereoMark { bond, from: 2, stereo: BondStereo::Up }];
+        assert_eq!(structure.bond_stereo(), up(1));
         let bond = |a, b| Bond::new(a, b, BondOrder::Single, BondSource::Distance);
         let more = structure.with_bonds(vec![bond(0, 1), bond(0, 2), bond(1, 2)]);
-        assert_eq!(more.bond_stereo(), [(2, BondStereo::Up)]);
+        assert_eq!(more.bond_stereo(), up(2));
         assert!(more.with_bonds(vec![bond(0, 1)]).bond_stereo().is_empty());
     }
 }

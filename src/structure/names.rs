@@ -8,10 +8,9 @@ use std::hash::{BuildHasherDefault, Hasher};
 pub struct NameId(u32);
 
 impl NameId {
-    /// The number that stands for the name: names are numbered from 0 in the order they are first met.
-    #[must_use]
-    pub fn number(self) -> u32 {
-        self.0
+    /// Its place in the table.
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
     }
 }
 
@@ -35,6 +34,11 @@ impl Names {
     #[must_use]
     pub fn get(&self, id: NameId) -> &str {
         self.texts.get(id.0 as usize).map_or("", |text| text)
+    }
+
+    /// All texts, by their ids.
+    pub(crate) fn texts(&self) -> impl Iterator<Item = &str> {
+        self.texts.iter().map(|text| &**text)
     }
 
     /// The id of a name, if it has one.
@@ -75,14 +79,20 @@ impl Names {
 }
 
 /// The bytes of a name as a number, if they fit and none is zero (so that different names differ).
+#[inline]
 fn short_key(text: &str) -> Option<u64> {
     let bytes = text.as_bytes();
-    if bytes.len() > 8 || bytes.contains(&0) {
+    if bytes.len() > 8 {
         return None;
     }
-    let mut key = [0u8; 8];
-    key[..bytes.len()].copy_from_slice(bytes);
-    Some(u64::from_le_bytes(key))
+    let mut key = 0;
+    for &byte in bytes {
+        if byte == 0 {
+            return None;
+        }
+        key = key << 8 | u64::from(byte);
+    }
+    Some(key)
 }
 
 /// One multiplication: the keys are short ASCII texts, and a table from a hostile file has at most as many

@@ -136,7 +136,7 @@ fn lay_out_all(structure: &Structure, with_dictionary: bool) -> Known {
 fn fingerprint(structure: &Structure, range: &Range<usize>) -> u64 {
     // FNV-1a over whole names: they are few and short-lived, and equal numbers are compared in full.
     range.clone().fold(0xcbf2_9ce4_8422_2325, |sum: u64, atom| {
-        let id = structure.atom_names().get(atom).map_or(0, |name| u64::from(name.number()));
+        let id = structure.atom_names().get(atom).map_or(0, |name| name.index() as u64);
         (sum ^ id ^ u64::from(structure.altloc(atom)) << 40).wrapping_mul(0x100_0000_01b3)
     })
 }

@@ -9,11 +9,11 @@ use crate::element::Element;
 
 /// What a name means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Guess {
-    pub(super) element: Element,
-    pub(super) isotope: u16,
+pub(in crate::import) struct Guess {
+    pub(in crate::import) element: Element,
+    pub(in crate::import) isotope: u16,
     /// Lone pair, Drude particle, mass-less site of a water model.
-    pub(super) particle: bool,
+    pub(in crate::import) particle: bool,
 }
 
 impl Guess {
@@ -186,7 +186,7 @@ fn is_unmistakable(symbol: &[u8]) -> bool {
 
 /// The element of an atom from its name (the four columns as they are) and its residue's. `aligned` says, when
 /// asked, whether the file aligns its names.
-pub(super) fn guess(name: &[u8], residue: &[u8], aligned: impl FnOnce() -> bool) -> Guess {
+pub(in crate::import) fn guess(name: &[u8], residue: &[u8], aligned: impl FnOnce() -> bool) -> Guess {
     let letters = letters(name);
     let Some(&first) = letters.first() else { return Guess::UNKNOWN };
     let trimmed = name.trim_ascii();

@@ -17,7 +17,7 @@
 //! Not read: bonds to symmetry mates (they have no atoms here), SCALE and ORIGX, ANISOU, hydrogen bonds of old CONECT.
 
 mod bonds;
-mod element;
+pub(super) mod element;
 mod fields;
 mod number;
 
@@ -25,7 +25,9 @@ use super::collect::Records;
 use super::number::{parse_f64, parse_i64};
 use super::text::{Lines, Repeated, columns, field, lossy, shown};
 use crate::error::{Error, Result};
-use crate::structure::{AtomRecord, Cell, Diagnostics, SecondaryElement, StatedBonds, StructureBuilder, atom_flags};
+use crate::structure::{
+    AtomRecord, Cell, Diagnostics, SecondaryElement, StatedBonds, StructureBuilder, Symmetry, atom_flags,
+};
 use bonds::{Budget, Conect, Link, LinkEnd, Serial};
 use element::Guess;
 use fields::{charge, no_position_message, position, residue_and_chain, text_of};
@@ -115,6 +117,7 @@ struct Reader<'a> {
     model_number: Option<i64>,
     title: String,
     cell: Option<Cell>,
+    space_group: String,
     /// CONECT of the model being read.
     conects: Vec<Conect>,
     /// CONECT of all models of the entry.
@@ -142,6 +145,7 @@ impl<'a> Reader<'a> {
             model_number: None,
             title: String::new(),
             cell: None,
+            space_group: String::new(),
             conects: Vec::new(),
             entry_conects: Vec::new(),
             links: Vec::new(),
@@ -384,6 +388,7 @@ impl<'a> Reader<'a> {
         if self.cell.is_none() {
             diagnostics.warn(Some(number), format!("CRYST1 {a} {b} {c} {alpha} {beta} {gamma} spans no cell"));
         }
+        self.space_group = lossy(field(line, 55, 66)).into_owned();
     }
 
     fn conect(&mut self, line: &[u8], number: u64) {
@@ -433,6 +438,10 @@ impl<'a> Reader<'a> {
         builder.set_decimals(self.decimals);
         builder.set_title(self.title.clone());
         builder.set_cell(self.cell);
+        if self.cell.is_some() && !self.space_group.is_empty() {
+            let space_group = self.space_group.clone();
+            builder.set_symmetry(Some(Symmetry { space_group, operations: Vec::new() }));
+        }
         // Every record gets its copy, so that the number of copies is bounded, too.
         if self.copies.spend(self.secondary.len()) {
             for element in &self.secondary {
