@@ -60,7 +60,7 @@ pub(super) fn find(structure: &Structure, positions: &[Vec3], known: &mut Known)
     let mut here = 0..0;
     while here.end < residues.len() {
         // The residues at one place, and those at the next.
-        let next = run(here.end, residues.len(), &place);
+        let next = run(here.end, residues.len(), place);
         if !here.is_empty() && residues[here.start].chain == residues[next.start].chain {
             let is_gap = residues[next.start].number != residues[here.start].number + 1;
             for one in here {

@@ -77,6 +77,12 @@ impl Standing {
         self.0 & Self::CARBON != 0
     }
 
+    /// The same with one partner less.
+    pub(super) fn without_partner(self) -> Standing {
+        let may_grow = self.is_known() && self.0 & Self::MISSING != Self::MISSING;
+        if may_grow { Standing((self.0 + 1) & !Self::CARBON) } else { self }
+    }
+
     /// The same with one partner more.
     pub(in crate::bonds) fn with_partner(self) -> Standing {
         if self.is_known() && !self.is_full() { Standing(self.0 - 1) } else { self }
@@ -208,7 +214,7 @@ fn fit(atoms: &Atoms<'_>, template: &Template) -> Option<(i64, Match)> {
     if matched == 0 || matched * FIT.1 < heavy.count() * FIT.0 {
         return None;
     }
-    let is_missing = |number: usize| found.places[number].is_empty() && template.elements[number] != Some(Element::H);
+    let is_missing = |number: usize| found.places[number].is_empty() && !template.hydrogen[number];
     let missing = (0..template.elements.len()).filter(|&number| is_missing(number)).count();
     // An atom that has its place counts more than all that may be missing.
     Some((matched as i64 * 10_000 - missing as i64, found))
@@ -225,12 +231,14 @@ impl Match {
                 partners[atom] += 1;
                 if self.places[partner].is_empty() {
                     missing[atom] += 1;
-                    heavy[atom] |= template.elements[partner] != Some(Element::H);
+                    heavy[atom] |= !template.hydrogen[partner];
                 }
             }
         }
-        let standing =
-            |atom: usize| Standing::new(missing[atom], template.elements[atom] == Some(Element::C) && !heavy[atom]);
+        let standing = |atom: usize| {
+            let is_carbon = self.places[atom].first().is_some_and(|&place| atoms.element(place as usize) == Element::C);
+            Standing::new(missing[atom], is_carbon && !heavy[atom])
+        };
         let of_template: Vec<Standing> = (0..count).map(standing).collect();
         let standing =
             self.of_place.iter().map(|number| number.map_or(Standing::UNKNOWN, |number| of_template[number as usize]));

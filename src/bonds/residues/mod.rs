@@ -5,7 +5,7 @@
 //! ([`layout`]); residues of the same atoms in the same order share the result, so that a protein of 100,000 residues
 //! compares some hundred with the dictionary. Then every residue looks at its own lengths:
 //!
-//! - a bond that is too long or too short to be one is left out, and its atoms are given back to the distances;
+//! - a bond that is too long or too short to be one is left out; its hydrogens are given back to the distances;
 //! - where more than one of three is doubtful, the residue is not what its name says, and all of it is.
 //!
 //! Hydrogens that have other names are bonded by distance, as are atoms that the component does not have.
@@ -21,6 +21,7 @@ mod tests;
 pub(super) use layout::Standing;
 
 use super::rules;
+use crate::element::Element;
 use crate::structure::{Bond, BondSource, Structure};
 use glam::Vec3;
 use layout::{Atoms, Layout};
@@ -177,17 +178,19 @@ fn apply(
             // Not a number is neither.
             let is_plausible = squared <= bond.longest_squared && !rules::is_too_near(squared.sqrt());
             heavy += usize::from(!bond.hydrogen);
-            wrong += usize::from(!bond.hydrogen && !(squared <= bond.doubtful_squared));
+            wrong += usize::from(!bond.hydrogen && (squared > bond.doubtful_squared || squared.is_nan()));
             if is_plausible {
-                let Bond { a, b, .. } = Bond::new(a as u32, b as u32, bond.order, source);
-                let (order, kind, aromatic) = (bond.order, bond.kind, bond.aromatic);
-                bonds.push(Bond { kind, aromatic, ..Bond::new(a, b, order, source) });
+                let new = Bond::new(a as u32, b as u32, bond.order, source);
+                bonds.push(Bond { kind: bond.kind, aromatic: bond.aromatic, ..new });
             } else {
-                standing[bond.a as usize] = Standing::UNKNOWN;
-                standing[bond.b as usize] = Standing::UNKNOWN;
+                // A hydrogen has the name of another: its nearest atom is to be found.
+                for (atom, place) in [(a, bond.a as usize), (b, bond.b as usize)] {
+                    let is_hydrogen = structure.elements()[atom] == Element::H;
+                    standing[place] = if is_hydrogen { Standing::UNKNOWN } else { standing[place].without_partner() };
+                }
             }
         }
-        if wrong * WRONG.1 > heavy * WRONG.0 {
+        if wrong > 1 && wrong * WRONG.1 > heavy * WRONG.0 {
             bonds.truncate(first_bond);
             standing.fill(Standing::UNKNOWN);
         }

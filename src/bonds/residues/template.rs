@@ -16,6 +16,8 @@ pub(super) struct Template {
     pub(super) names: HashMap<Box<str>, u32>,
     /// Element of each atom; `None` where nothing is said of it.
     pub(super) elements: Vec<Option<Element>>,
+    /// Whether each atom is a hydrogen; by its name where nothing is said of its element.
+    pub(super) hydrogen: Vec<bool>,
     pub(super) bonds: Vec<DictionaryBond>,
 }
 
@@ -52,7 +54,11 @@ fn of_file(own: &ComponentBonds) -> Option<Template> {
         }
     }
     let elements = vec![None; names.len()];
-    Some(Template { id: own.name.clone(), source: BondSource::File, names, elements, bonds })
+    let mut hydrogen = vec![false; names.len()];
+    for (name, &number) in &names {
+        hydrogen[number as usize] = name.trim_start_matches(|c: char| c.is_ascii_digit()).starts_with(['H', 'D']);
+    }
+    Some(Template { id: own.name.clone(), source: BondSource::File, names, elements, hydrogen, bonds })
 }
 
 fn of_dictionary(id: &str, residue: &str) -> Option<Template> {
@@ -77,5 +83,6 @@ fn of_dictionary(id: &str, residue: &str) -> Option<Template> {
     // X stands for one of two elements, or for any.
     let element = |element: Element| (element != Element::DUMMY).then_some(element);
     let elements = component.atoms.iter().map(|atom| element(atom.element)).collect();
-    Some(Template { id: id.to_owned(), source: BondSource::Dictionary, names, elements, bonds })
+    let hydrogen = component.atoms.iter().map(|atom| atom.element == Element::H).collect();
+    Some(Template { id: id.to_owned(), source: BondSource::Dictionary, names, elements, hydrogen, bonds })
 }
