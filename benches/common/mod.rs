@@ -82,6 +82,31 @@ pub(crate) fn structure(count: usize) -> Structure {
     builder.build(&mut Diagnostics::default())
 }
 
+/// Copies of crambin (`data/1crn.pdb`, 327 atoms) side by side, cut to the count, without bonds.
+pub(crate) fn protein(count: usize) -> Structure {
+    let text = include_bytes!("../../data/1crn.pdb");
+    let mut document = ballstick::import::read_bytes(text, "1crn.pdb", &Default::default()).expect("it is sound");
+    let crambin = document.records.remove(0);
+    let edge = (1..).find(|edge| edge * edge * edge * crambin.atom_count() >= count).unwrap_or(1);
+    let mut builder = StructureBuilder::new();
+    builder.set_decimals(3);
+    for n in 0..count {
+        let (copy, atom) = (n / crambin.atom_count(), n % crambin.atom_count());
+        let place = DVec3::new((copy % edge) as f64, (copy / edge % edge) as f64, (copy / edge / edge) as f64);
+        let residue = crambin.residue_index(atom).map(|index| crambin.residues()[index]).expect("it has residues");
+        // Chains of one copy after the other: the last residue of one is not linked to the first of the next.
+        let chain = ["A", "B"][copy % 2];
+        builder.push_atom(&AtomRecord {
+            element: crambin.elements()[atom],
+            position: crambin.positions().get(atom) + place * 35.0,
+            name: crambin.atom_name(atom),
+            residue: Some((chain, residue.number, b' ', crambin.name(residue.name))),
+            ..AtomRecord::default()
+        });
+    }
+    builder.build(&mut Diagnostics::default())
+}
+
 /// The atoms as PDB text: hybrid-36 is not needed, serials wrap as many programs let them.
 pub(crate) fn pdb(count: usize) -> String {
     let mut text = String::with_capacity(count * 81);

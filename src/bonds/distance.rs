@@ -6,6 +6,7 @@
 
 use super::contacts::{Contact, Contacts, State};
 use super::grid::Grid;
+use super::residues::Known;
 use super::rules::{self, PairTable};
 use super::sites::{Role, Sites};
 use super::{BondOptions, hydrogen, metal, valence};
@@ -13,8 +14,20 @@ use crate::element::Element;
 use crate::structure::{Bond, BondKind, BondOrder, BondSource, Structure, atom_flags};
 use glam::Vec3;
 
-/// The bonds between atoms at these positions that are not among the stated ones (sorted), sorted.
-pub(super) fn find(structure: &Structure, positions: &[Vec3], stated: &[Bond], options: &BondOptions) -> Vec<Bond> {
+/// How much longer than the covalent radii a bond between two residues may be that takes the place of hydrogens which are
+/// not in the model, at a carbon of the dictionary. Sound ones that no record states (thioethers of haem and
+/// cysteine, C–S 1.82 Å) have no excess; side chains that clash in poor models come as near as 1.75 Å.
+const CARBON_LINK_EXCESS: f32 = 0.2;
+
+/// The bonds between atoms at these positions that are not among the settled ones (sorted), sorted. `known` says of
+/// which atoms the partners are known already.
+pub(super) fn find(
+    structure: &Structure,
+    positions: &[Vec3],
+    settled: &[Bond],
+    known: &Known,
+    options: &BondOptions,
+) -> Vec<Bond> {
     let elements = structure.elements();
     if positions.len() != elements.len() {
         return Vec::new();
@@ -25,7 +38,9 @@ pub(super) fn find(structure: &Structure, positions: &[Vec3], stated: &[Bond], o
         let element = elements[atom];
         let is_atom = element != Element::DUMMY && structure.flags(atom) & atom_flags::PARTICLE == 0;
         // A lone halide ion takes part: metals bond to it.
-        is_atom && table.reach(table.species(element)) > 0.0
+        // A hydrogen that has its bond takes no other.
+        let is_done = element == Element::H && known.standing(atom).is_full();
+        is_atom && !is_done && table.reach(table.species(element)) > 0.0
     };
     let grid = Grid::new(positions, elements, &table, takes_part);
     let found = grid.pairs(|a, b, distance| {
@@ -33,14 +48,48 @@ pub(super) fn find(structure: &Structure, positions: &[Vec3], stated: &[Bond], o
         if rules::is_too_near(distance) || !sites.may_bond(a as usize, b as usize) {
             return None;
         }
-        Some(Contact { a, b, excess: distance - rules::radii(element_a, element_b), state: State::Open })
+        let excess = distance - rules::radii(element_a, element_b);
+        is_open(structure, known, [a as usize, b as usize], excess).then_some(Contact {
+            a,
+            b,
+            excess,
+            state: State::Open,
+        })
     });
-    let stated: Vec<Bond> = stated.iter().copied().filter(|bond| bond.kind != BondKind::Hydrogen).collect();
-    let mut contacts = Contacts::new(elements, &stated, found);
+    // The rules look at atoms with contacts and all that these are bonded to: bonds of others are left out, most of a
+    // structure whose residues are known.
+    let mut has_contact = vec![false; elements.len()];
+    for atom in found.iter().flat_map(|contact| [contact.a, contact.b]) {
+        has_contact[atom as usize] = true;
+    }
+    let matters = |bond: &&Bond| {
+        bond.kind != BondKind::Hydrogen && (has_contact[bond.a as usize] || has_contact[bond.b as usize])
+    };
+    let settled: Vec<Bond> = settled.iter().filter(matters).copied().collect();
+    let mut contacts = Contacts::new(elements, &settled, found);
     hydrogen::settle(&mut contacts, elements, &sites);
     valence::settle(&mut contacts, elements, positions, &sites);
     metal::settle(&mut contacts, elements, &sites);
     bonds(&contacts, elements, &sites)
+}
+
+/// Whether what is known of the residues of two atoms leaves room for a bond between them.
+fn is_open(structure: &Structure, known: &Known, [a, b]: [usize; 2], excess: f32) -> bool {
+    let standing = [known.standing(a), known.standing(b)];
+    if !standing.iter().any(|standing| standing.is_known()) {
+        return true;
+    }
+    let are_known = standing.iter().all(|standing| standing.is_known());
+    let same_residue = structure.residue_index(a) == structure.residue_index(b);
+    if same_residue {
+        return !are_known; // what the component does not list is no bond
+    }
+    let elements = [a, b].map(|atom| structure.elements()[atom]);
+    if elements.iter().any(|element| element.is_metal()) {
+        return true;
+    }
+    let at_carbon = standing.iter().any(|standing| standing.lacks_only_hydrogens_of_carbon());
+    !standing.iter().any(|standing| standing.is_full()) && (!at_carbon || excess <= CARBON_LINK_EXCESS)
 }
 
 /// The open contacts that are left, as bonds.

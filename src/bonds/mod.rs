@@ -1,14 +1,25 @@
-//! Bonds: what the file states, completed by what the geometry says.
+//! Bonds: what the file states, completed by what residues are known to be and by what the geometry says.
 //!
 //! The sources in the order of their word, each giving only bonds that no earlier one has settled:
 //!
 //! 1. the file's own list. A complete one (SDF, MOL2, JSON) is exactly the bonds and nothing is added; of a partial one
-//!    (CONECT, LINK, SSBOND, `_struct_conn`) every bond stays as it is, however long;
-//! 2. residue knowledge (component dictionary, polymer links) stands here in the order;
-//! 3. distance (`distance`): every pair that no source above has settled.
+//!    (CONECT, LINK, SSBOND, `_struct_conn`) every bond stays, however long. A bond there that has no order of its own (CONECT
+//!    listed once, LINK) takes that of the next source, if this knows it;
+//! 2. the residues ([`residues`]): the file's own `_chem_comp_bond`, then the wwPDB Chemical Component Dictionary
+//!    ([`dictionary`]) by atom names, elements and plausible lengths, and the links of polymers ([`links`]);
+//! 3. distance ([`distance`]): every pair that no source above has settled. Two atoms that a component knows have no other
+//!    bonds inside their residue; one whose partners are all there has none outside but to metals, and a carbon that
+//!    lacks only hydrogens none but close ones;
+//! 4. hydrogen bonds ([`hbonds`]), if asked for, among the atoms with all these bonds.
 //!
-//! Orders and aromaticity are a further step after these: distances give single bonds ([`BondOrder::Single`]) and
-//! coordination without an order ([`BondOrder::Unknown`]).
+//! Bonds of metals to donors are [`BondKind::Coordination`] without an order, whoever names them, but for the double bonds
+//! of terminal oxides and the like.
+//!
+//! Orders and aromaticity of what no residue knows are a further step after these: distances give single bonds
+//! ([`BondOrder::Single`]) and coordination without an order ([`BondOrder::Unknown`]).
+//!
+//! [`BondMode::File`] takes 1 and the file's own part of 2, [`BondMode::Perceive`] 3 alone. [`explain`] says of each bond
+//! where it comes from.
 //!
 //! The result is the same for every order of the atoms, up to ties, which the lower index wins, and for every
 //! number of threads.
@@ -19,11 +30,16 @@
 //! atoms piled up beyond any physical density (`grid`) get no inferred bonds.
 
 mod contacts;
+mod dictionary;
 mod distance;
+mod explain;
 mod grid;
+mod hbonds;
 mod hydrogen;
+mod links;
 mod metal;
 mod periodic;
+mod residues;
 mod rules;
 mod sites;
 mod valence;
@@ -31,15 +47,19 @@ mod valence;
 #[cfg(test)]
 mod tests;
 
+pub use explain::{Explained, NotBonded, explain, not_bonded};
+
 use crate::structure::{Bond, BondKind, BondOrder, StatedBonds, Structure};
+use glam::Vec3;
+use residues::Known;
 
 /// Where bonds come from; the names are those of `--bonds`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum BondMode {
-    /// The file's bonds, completed by perception where the file does not give all.
+    /// The file's bonds, completed by the component dictionary and by distance where the file does not give all.
     #[default]
     Auto,
-    /// Only the bonds the file states.
+    /// Only the bonds the file states, those inside residues by atom names (`_chem_comp_bond`) among them.
     File,
     /// Only perception: neither the file's bonds nor residue knowledge.
     Perceive,
@@ -81,11 +101,14 @@ pub struct BondOptions {
     /// the sum), the axial water of Cu(II) 2.4 Å (0.42 Å over), and Harding (Acta Cryst. D 2004, 60, 849) counts donors
     /// up to 0.75 Å beyond the usual distance.
     pub metal_tolerance: f32,
+    /// Whether hydrogen bonds are found, too ([`crate::structure::BondKind::Hydrogen`]); in no mode but
+    /// [`BondMode::None`] are they left out then. Default: `false`.
+    pub hydrogen_bonds: bool,
 }
 
 impl Default for BondOptions {
     fn default() -> Self {
-        BondOptions { mode: BondMode::Auto, tolerance: 0.45, metal_tolerance: 0.5 }
+        BondOptions { mode: BondMode::Auto, tolerance: 0.45, metal_tolerance: 0.5, hydrogen_bonds: false }
     }
 }
 
@@ -96,6 +119,7 @@ impl BondOptions {
         let sane = |value: f32, default: f32| if value.is_nan() { default } else { value.clamp(-1.0, 1.0) };
         BondOptions {
             mode: self.mode,
+            hydrogen_bonds: self.hydrogen_bonds,
             tolerance: sane(self.tolerance, default.tolerance),
             metal_tolerance: sane(self.metal_tolerance, default.metal_tolerance),
         }
@@ -106,19 +130,53 @@ impl BondOptions {
 /// not there, only what the file states.
 #[must_use]
 pub fn find(structure: &Structure, frame: usize, options: &BondOptions) -> Vec<Bond> {
+    find_all(structure, frame, options).0
+}
+
+/// The bonds, and what is known of the residues.
+fn find_all(structure: &Structure, frame: usize, options: &BondOptions) -> (Vec<Bond>, Known) {
     let options = options.sane();
     let stated = match options.mode {
-        BondMode::None => return Vec::new(),
+        BondMode::None => return (Vec::new(), Known::default()),
         BondMode::Perceive => Vec::new(),
-        BondMode::File | BondMode::Auto => periodic::with_images(structure, frame, structure.bonds()),
+        BondMode::Auto | BondMode::File => periodic::with_images(structure, frame, structure.bonds()),
     };
-    if options.mode == BondMode::File
-        || (options.mode == BondMode::Auto && structure.stated_bonds() == StatedBonds::Complete)
-    {
-        return stated;
+    let Some(positions) = structure.frames().get(frame).map(|frame| frame.positions.relative()) else {
+        return (stated, Known::default());
+    };
+    let is_complete = structure.stated_bonds() == StatedBonds::Complete;
+    let (bonds, known) = match options.mode {
+        BondMode::Auto | BondMode::File if is_complete => (stated, Known::default()),
+        BondMode::Perceive | BondMode::None => {
+            let known = Known::default();
+            (periodic::find(structure, frame, &[], &known, &options), known)
+        }
+        BondMode::File => described(structure, positions, stated, false),
+        BondMode::Auto => {
+            let (settled, known) = described(structure, positions, stated, true);
+            let inferred = periodic::find(structure, frame, &settled, &known, &options);
+            (merge(settled, inferred), known)
+        }
+    };
+    if !options.hydrogen_bonds {
+        return (bonds, known);
     }
-    let inferred = periodic::find(structure, frame, &stated, &options);
-    merge(&stated, inferred, structure)
+    let more = hbonds::find(structure, positions, &bonds);
+    (merge(bonds, more), known)
+}
+
+/// What the file states, completed by what the residues are known to be: from the file alone or from the dictionary, too.
+fn described(
+    structure: &Structure,
+    positions: &[Vec3],
+    stated: Vec<Bond>,
+    with_dictionary: bool,
+) -> (Vec<Bond>, Known) {
+    let stated = stated.into_iter().map(|bond| with_kind(bond, structure)).collect();
+    let mut known = residues::find(structure, positions, with_dictionary);
+    let links = if with_dictionary { links::find(structure, positions, &mut known) } else { Vec::new() };
+    let inside = std::mem::take(&mut known.bonds);
+    (settle(stated, inside, links, &mut known), known)
 }
 
 /// The structure with the bonds of its first frame.
@@ -128,15 +186,50 @@ pub fn assign(structure: Structure, options: &BondOptions) -> Structure {
     structure.with_bonds(bonds)
 }
 
-/// Both sorted lists as one. They have no pair in common.
-fn merge(stated: &[Bond], inferred: Vec<Bond>, structure: &Structure) -> Vec<Bond> {
+/// What the file states, completed by what is known of the residues.
+fn settle(stated: Vec<Bond>, inside: Vec<Bond>, links: Vec<Bond>, known: &mut Known) -> Vec<Bond> {
+    let mut bonds = merge(inside, links);
     if stated.is_empty() {
-        return inferred;
+        return bonds;
     }
-    let mut bonds = Vec::with_capacity(stated.len() + inferred.len());
-    bonds.extend(stated.iter().map(|&bond| with_kind(bond, structure)));
-    bonds.extend(inferred);
-    bonds.sort_by_key(Bond::key);
+    let mut more = Vec::new();
+    for bond in stated {
+        match bonds.binary_search_by_key(&bond.key(), Bond::key) {
+            Ok(at) => bonds[at] = united(bond, bonds[at]),
+            Err(_) => {
+                for atom in [bond.a as usize, bond.b as usize] {
+                    if let Some(standing) = known.standing.get_mut(atom) {
+                        *standing = standing.with_partner();
+                    }
+                }
+                more.push(bond);
+            }
+        }
+    }
+    merge(bonds, more)
+}
+
+/// One bond that the file states and the dictionary describes. A CONECT record that is there once, and LINK, say that there
+/// is a bond and nothing more.
+fn united(stated: Bond, described: Bond) -> Bond {
+    let untold = stated.order <= BondOrder::Single && !stated.aromatic;
+    if untold {
+        return Bond { source: stated.source, ..described };
+    }
+    Bond { aromatic: described.aromatic, ..stated }
+}
+
+/// Both sorted lists as one. They have no pair in common.
+fn merge(one: Vec<Bond>, other: Vec<Bond>) -> Vec<Bond> {
+    if one.is_empty() {
+        return other;
+    }
+    if other.is_empty() {
+        return one;
+    }
+    let mut bonds = one;
+    bonds.extend(other);
+    bonds.sort_by_key(Bond::key); // finds the two sorted runs and merges them
     bonds
 }
 

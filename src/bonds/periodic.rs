@@ -8,6 +8,7 @@
 //! Limit: cells so small or flat that the shell would be many times larger than the structure are taken as if
 //! they did not repeat ([`MOST_IMAGES`]).
 
+use super::residues::Known;
 use super::rules::{self, PairTable};
 use super::{BondOptions, distance};
 use crate::structure::{Bond, Cell, Positions, Structure};
@@ -22,13 +23,19 @@ const IMAGES_PER_ATOM: usize = 27;
 /// no bond (those of the file are kept, but no chemist means three bond lengths).
 const TOO_LONG: f64 = 2.0;
 
-/// The bonds by distance of a frame that are not among the stated ones (sorted), those to periodic images with them, sorted.
-pub(super) fn find(structure: &Structure, frame: usize, stated: &[Bond], options: &BondOptions) -> Vec<Bond> {
+/// The bonds by distance of a frame that are not among the settled ones (sorted), those to periodic images with them, sorted.
+pub(super) fn find(
+    structure: &Structure,
+    frame: usize,
+    settled: &[Bond],
+    known: &Known,
+    options: &BondOptions,
+) -> Vec<Bond> {
     let Some(positions) = structure.frames().get(frame).map(|frame| &frame.positions) else { return Vec::new() };
     let extended = structure.lattice(frame).and_then(|cell| Extended::new(structure, positions, cell, options));
     match extended {
-        Some(extended) => extended.find(stated, options),
-        None => distance::find(structure, positions.relative(), stated, options),
+        Some(extended) => extended.find(settled, known, options),
+        None => distance::find(structure, positions.relative(), settled, known, options),
     }
 }
 
@@ -117,9 +124,10 @@ impl Extended {
         }
     }
 
-    fn find(&self, stated: &[Bond], options: &BondOptions) -> Vec<Bond> {
-        let stated = self.stated_everywhere(stated);
-        let found = distance::find(&self.all, self.all.positions().relative(), &stated, options);
+    fn find(&self, settled: &[Bond], known: &Known, options: &BondOptions) -> Vec<Bond> {
+        let settled = self.settled_everywhere(settled);
+        let known = known.of_copies((0..self.all.atom_count() as u32).map(|index| self.place(index).0));
+        let found = distance::find(&self.all, self.all.positions().relative(), &settled, &known, options);
         let mut bonds: Vec<Bond> = (found.into_iter())
             .filter(|bond| (bond.a as usize) < self.atom_count)
             .filter_map(|bond| {
@@ -135,9 +143,9 @@ impl Extended {
         bonds
     }
 
-    /// The stated bonds of the atoms and of all images, sorted.
-    fn stated_everywhere(&self, stated: &[Bond]) -> Vec<Bond> {
-        if stated.is_empty() {
+    /// The settled bonds of the atoms and of all images, sorted.
+    fn settled_everywhere(&self, settled: &[Bond]) -> Vec<Bond> {
+        if settled.is_empty() {
             return Vec::new();
         }
         let mut cells_of: HashMap<u32, Vec<(IVec3, u32)>> = HashMap::new();
@@ -146,7 +154,7 @@ impl Extended {
             cells_of.entry(atom).or_default().push((shift, index));
         }
         let mut everywhere = Vec::new();
-        for bond in stated {
+        for bond in settled {
             let step =
                 IVec3::from_array(bond.image.map(i32::from)) - self.home[bond.a as usize] + self.home[bond.b as usize];
             let (Some(of_a), Some(of_b)) = (cells_of.get(&bond.a), cells_of.get(&bond.b)) else { continue };

@@ -30,7 +30,7 @@ fn is_main_group_metal(element: Element) -> bool {
 }
 
 /// The longest distance at which two atoms of these elements may bond; `None` if they never do.
-fn longest(a: Element, b: Element, options: &BondOptions) -> Option<f32> {
+pub(super) fn longest(a: Element, b: Element, options: &BondOptions) -> Option<f32> {
     if a == Element::DUMMY || b == Element::DUMMY {
         return None;
     }
@@ -106,6 +106,11 @@ pub(super) struct PairTable {
 impl PairTable {
     /// The table for the elements that occur.
     pub(super) fn new(elements: &[Element], options: &BondOptions) -> PairTable {
+        Self::with_limits(elements, |a, b| longest(a, b, options))
+    }
+
+    /// A table of other limits than those of bonds.
+    pub(super) fn with_limits(elements: &[Element], longest: impl Fn(Element, Element) -> Option<f32>) -> PairTable {
         let mut seen = [false; 256];
         for element in elements {
             seen[usize::from(element.z())] = true;
@@ -118,7 +123,7 @@ impl PairTable {
                 present.push(Element::from_z(z).unwrap_or(Element::DUMMY));
             }
         }
-        let limit = |a, b| longest(a, b, options).map_or(-1.0, |d| d * d);
+        let limit = |a, b| longest(a, b).map_or(-1.0, |d| d * d);
         let longest_squared: Vec<f32> =
             present.iter().flat_map(|&a| present.iter().map(move |&b| limit(a, b))).collect();
         let metal = present.iter().map(|element| element.is_metal()).collect();

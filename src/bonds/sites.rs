@@ -10,6 +10,11 @@ const WATER_NAMES: [&str; 27] = [
     "TP4", "TP5", "T3P", "T4P", "SPC", "SPCE", "OPC", "HHO", "OHH", "OH2", "WTR", "W",
 ];
 
+/// Whether water goes by this name.
+pub(super) fn is_water_name(name: &str) -> bool {
+    WATER_NAMES.contains(&name)
+}
+
 /// The part an atom plays by its residue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {

@@ -185,6 +185,9 @@ pub struct BondArgs {
     /// Where bonds come from
     #[arg(long, value_name = "FROM", default_value = "auto", help_heading = "Molecule")]
     pub bonds: BondsArg,
+    /// Find hydrogen bonds, too: N, O, S, F up to 3.5 Å apart, at least 120° at the hydrogen
+    #[arg(long, help_heading = "Molecule")]
+    pub hbonds: bool,
 }
 
 /// What of a crystal is drawn.
@@ -240,6 +243,10 @@ pub struct InfoArgs {
     /// One JSON object a file, one a line; a file that cannot be read gives {"path", "error": {"line", "message"}}
     #[arg(long)]
     pub json: bool,
+    /// Say of every bond where it comes from and why, and of near pairs why they are none; in JSON as bond_list
+    /// and not_bonded
+    #[arg(long)]
+    pub explain_bonds: bool,
     /// Bonds.
     #[command(flatten)]
     pub bonds: BondArgs,
@@ -314,11 +321,11 @@ pub enum ProjectionArg {
 /// `--bonds`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum BondsArg {
-    /// The file's, and by distance what it leaves open
+    /// The file's; what it leaves open from the dictionary of residues and ligands, then by distance
     Auto,
     /// The file's and no others
     File,
-    /// By distance, whatever the file says
+    /// By distance, whatever the file says and the residues are called
     Perceive,
     /// None
     None,

@@ -2,9 +2,10 @@
 //!
 //! Atoms, bonds and the rest are those of the first record as listed: its first frame, all alternate locations.
 //! `frames` counts those of all records. `bond_orders` counts covalent bonds of order 1 to 3,
-//! aromatic ones only as that.
+//! aromatic ones only as that. `--explain-bonds` adds the reason of every bond.
 
 use super::args::InfoArgs;
+use super::explain::Explanations;
 use super::load::{bond_options, count_orders};
 use super::report::{Report, printable};
 use crate::element::Element;
@@ -35,6 +36,8 @@ struct Info {
     frames: usize,
     cell: Option<CellInfo>,
     diagnostics: Vec<DiagnosticInfo>,
+    #[serde(flatten)]
+    explanations: Option<Explanations>,
     #[serde(skip)]
     records: usize,
 }
@@ -120,7 +123,9 @@ fn read(path: &Path, args: &InfoArgs, report: &Report) -> Result<Info> {
     }
     let structure = document.records.first().ok_or_else(|| Error::input(None, "there is no molecule in it"))?;
     let bonds = bonds::find(structure, 0, &bond_options(args.bonds));
-    Ok(summary(path, &document, structure, &bonds))
+    let mut info = summary(path, &document, structure, &bonds);
+    info.explanations = args.explain_bonds.then(|| Explanations::new(structure, args.bonds));
+    Ok(info)
 }
 
 fn summary(path: &Path, document: &Document, structure: &Structure, bonds: &[Bond]) -> Info {
@@ -159,6 +164,7 @@ fn summary(path: &Path, document: &Document, structure: &Structure, bonds: &[Bon
             .iter()
             .map(|d| DiagnosticInfo { severity: d.severity.name(), line: d.line, message: d.message.clone() })
             .collect(),
+        explanations: None,
         records: document.records.len(),
     }
 }
@@ -229,7 +235,8 @@ fn people_text(info: &Info) -> String {
         let angles = [alpha, beta, gamma].map(|x| round(*x, 1e3).to_string()).join(" ");
         row("cell", format!("{lengths} Å, {angles}°"));
     }
-    lines.iter().map(|line| printable(line) + "\n").collect()
+    let text: String = lines.iter().map(|line| printable(line) + "\n").collect();
+    text + &info.explanations.as_ref().map_or_else(String::new, Explanations::text)
 }
 
 fn round(x: f64, scale: f64) -> f64 {

@@ -115,7 +115,11 @@ pub(super) fn pick(document: Document, select: &SelectArgs) -> Result<Vec<Struct
 
 /// The options that `--bonds` stands for.
 pub(super) fn bond_options(args: BondArgs) -> BondOptions {
-    BondOptions { mode: BondMode::from_name(&args.bonds.name()).unwrap_or_default(), ..BondOptions::default() }
+    BondOptions {
+        mode: BondMode::from_name(&args.bonds.name()).unwrap_or_default(),
+        hydrogen_bonds: args.hbonds,
+        ..BondOptions::default()
+    }
 }
 
 /// The structure with the bonds of its first frame.
@@ -185,7 +189,7 @@ mod tests {
             (BondsArg::Perceive, BondMode::Perceive),
             (BondsArg::None, BondMode::None),
         ] {
-            assert_eq!(bond_options(BondArgs { bonds: arg }).mode, mode);
+            assert_eq!(bond_options(BondArgs { bonds: arg, hbonds: false }).mode, mode);
         }
     }
 

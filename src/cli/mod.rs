@@ -7,6 +7,7 @@
 pub mod args;
 mod convert;
 mod devices;
+mod explain;
 mod info;
 mod load;
 mod picture;

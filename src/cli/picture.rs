@@ -205,6 +205,7 @@ fn settings(args: &RenderArgs, inputs: &[&PathBuf]) -> serde_json::Value {
         "axis": text(look.axis.as_ref().map(|a| a as _)),
         "altloc": look.altloc.to_string(),
         "bonds": args.bonds.bonds.name(),
+        "hbonds": args.bonds.hbonds,
         "frame": select.frame,
         "record": text(select.record.as_ref().map(|r| r as _)),
     })

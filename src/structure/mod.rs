@@ -164,10 +164,22 @@ impl Structure {
         self.names.get(id)
     }
 
+    /// The id of a name that something in the structure has.
+    #[must_use]
+    pub fn find_name(&self, text: &str) -> Option<NameId> {
+        self.names.find(text)
+    }
+
     /// Atom name (`CA`); an empty string if the file names no atoms.
     #[must_use]
     pub fn atom_name(&self, atom: usize) -> &str {
         self.atom_name.get(atom).map_or("", |&id| self.names.get(id))
+    }
+
+    /// The atom names, one an atom; empty if the file names no atoms.
+    #[must_use]
+    pub fn atom_names(&self) -> &[NameId] {
+        &self.atom_name
     }
 
     /// The serial number in the file; the 1-based index if it has none.

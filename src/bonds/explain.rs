@@ -1,0 +1,207 @@
+//! Why there is a bond, and why there is none, in words.
+
+use super::grid::Grid;
+use super::residues::Known;
+use super::rules::{self, PairTable};
+use super::sites::{Role, Sites};
+use super::{BondMode, BondOptions, find_all, hbonds, links};
+use crate::element::Element;
+use crate::structure::{Bond, BondKind, BondOrder, BondSource, StatedBonds, Structure, atom_flags};
+use glam::Vec3;
+use std::collections::HashMap;
+
+/// A bond and why it is one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Explained {
+    /// The bond.
+    pub bond: Bond,
+    /// Its length in ångström.
+    pub length: f32,
+    /// Who says so, and why: `dictionary: HEM`, `distance: 1.54 Å ≤ 0.76+0.76+0.45`.
+    pub reason: String,
+}
+
+/// Two atoms that are near enough for a bond and have none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NotBonded {
+    /// One atom, the lower index.
+    pub a: u32,
+    /// The other.
+    pub b: u32,
+    /// How far apart they are in ångström.
+    pub length: f32,
+    /// Why there is no bond.
+    pub reason: &'static str,
+}
+
+/// The bonds that [`super::find`] gives, each with its reason.
+#[must_use]
+pub fn explain(structure: &Structure, frame: usize, options: &BondOptions) -> Vec<Explained> {
+    let (bonds, known) = find_all(structure, frame, options);
+    let Some(frame) = structure.frames().get(frame) else { return Vec::new() };
+    let positions = frame.positions.relative();
+    let own: HashMap<_, &Bond> = structure.bonds().iter().map(|bond| (bond.key(), bond)).collect();
+    // The atom that each hydrogen is on, for the angles of hydrogen bonds.
+    let mut donors = HashMap::new();
+    for bond in bonds.iter().filter(|bond| options.hydrogen_bonds && bond.kind != BondKind::Hydrogen) {
+        for (atom, other) in [(bond.a, bond.b), (bond.b, bond.a)] {
+            if structure.elements()[atom as usize] == Element::H {
+                donors.insert(atom, other);
+            }
+        }
+    }
+    let context = Context { structure, positions, known: &known, options, donors };
+    let vectors = frame.cell.as_ref().map(|cell| cell.vectors());
+    let explained = |bond: &Bond| {
+        let mut apart = positions[bond.b as usize] - positions[bond.a as usize];
+        if let Some(vectors) = vectors.filter(|_| bond.is_periodic()) {
+            for (vector, count) in vectors.into_iter().zip(bond.image) {
+                apart += (vector * f64::from(count)).as_vec3();
+            }
+        }
+        let length = apart.length();
+        let stated = own.get(&bond.key()).copied();
+        let reason = reason(&context, bond, stated, length);
+        Explained { bond: *bond, length, reason }
+    };
+    bonds.iter().map(explained).collect()
+}
+
+/// What reasons are made of.
+struct Context<'a> {
+    structure: &'a Structure,
+    positions: &'a [Vec3],
+    known: &'a Known,
+    options: &'a BondOptions,
+    donors: HashMap<u32, u32>,
+}
+
+fn reason(context: &Context<'_>, bond: &Bond, stated: Option<&Bond>, length: f32) -> String {
+    let Context { structure, positions, known, options, donors } = context;
+    let residue = structure.residue_index(bond.a as usize);
+    let inside = residue.filter(|_| residue == structure.residue_index(bond.b as usize));
+    let component = inside.and_then(|residue| known.component(residue));
+    let of_component = || match (component, inside) {
+        (Some((id, _)), Some(residue)) => {
+            let name = structure.name(structure.residues()[residue].name);
+            if id == name { id.to_owned() } else { format!("{id}, which {name} stands for") }
+        }
+        _ => String::new(),
+    };
+    // The file says that there is a bond, the dictionary of which order.
+    let order_too = || match stated {
+        Some(stated) if stated.order != bond.order || stated.aromatic != bond.aromatic => {
+            format!("; order from dictionary: {}", of_component())
+        }
+        _ => String::new(),
+    };
+    match bond.source {
+        BondSource::File if structure.stated_bonds() == StatedBonds::Complete => "file: bond list".to_owned(),
+        BondSource::File if stated.is_none() => "file: _chem_comp_bond".to_owned(),
+        BondSource::File => format!("file: CONECT{}", order_too()),
+        BondSource::Link => format!("link: LINK/SSBOND/_struct_conn{}", order_too()),
+        BondSource::Dictionary if inside.is_some() => format!("dictionary: {}", of_component()),
+        BondSource::Dictionary => match links::of(structure, bond) {
+            links::Link::Peptide => "dictionary: peptide link".to_owned(),
+            links::Link::Phosphodiester => "dictionary: phosphodiester link".to_owned(),
+        },
+        BondSource::Distance if bond.kind == BondKind::Hydrogen => {
+            match hbonds::angle_deg(structure, positions, donors, bond) {
+                Some((donor, angle)) => {
+                    let acceptor = if structure.elements()[bond.a as usize] == Element::H { bond.b } else { bond.a };
+                    let apart = positions[donor as usize].distance(positions[acceptor as usize]);
+                    format!("hydrogen bond: D···A {apart:.2} Å ≤ 3.5, D–H···A {angle:.0}° ≥ 120°")
+                }
+                None => format!("hydrogen bond: D···A {length:.2} Å ≤ 3.5, no hydrogens in the model"),
+            }
+        }
+        BondSource::Distance => {
+            let [a, b] = [bond.a, bond.b].map(|atom| structure.elements()[atom as usize]);
+            let (one, other) = (a.covalent_radius(), b.covalent_radius());
+            match rules::longest(a, b, options) {
+                Some(_) if a == Element::H && b == Element::H => {
+                    format!("distance: {length:.2} Å, a hydrogen molecule")
+                }
+                Some(longest) => {
+                    format!("distance: {length:.2} Å ≤ {one:.2}+{other:.2}+{:.2}", longest - one - other)
+                }
+                None => format!("distance: {length:.2} Å"),
+            }
+        }
+    }
+}
+
+/// The pairs that are near enough for a bond and are none of those that [`super::find`] gives, with the reason. Pairs of
+/// one dictionary residue are not among them, as all of its bonds are listed. Empty where distances are not asked.
+#[must_use]
+pub fn not_bonded(structure: &Structure, frame: usize, options: &BondOptions) -> Vec<NotBonded> {
+    let asks_distances = match options.mode {
+        BondMode::Auto => structure.stated_bonds() != StatedBonds::Complete,
+        BondMode::Perceive => true,
+        BondMode::File | BondMode::None => false,
+    };
+    let (bonds, known) = find_all(structure, frame, options);
+    let Some(frame) = structure.frames().get(frame).filter(|_| asks_distances) else { return Vec::new() };
+    let (positions, elements) = (frame.positions.relative(), structure.elements());
+    let sites = Sites::new(structure);
+    let table = PairTable::new(elements, &options.sane());
+    let is_atom = |atom: usize| {
+        elements[atom] != Element::DUMMY
+            && structure.flags(atom) & atom_flags::PARTICLE == 0
+            && table.reach(table.species(elements[atom])) > 0.0
+    };
+    let mut bonded = vec![false; elements.len()];
+    for atom in bonds.iter().filter(|bond| bond.kind != BondKind::Hydrogen).flat_map(|bond| [bond.a, bond.b]) {
+        bonded[atom as usize] = true;
+    }
+    let grid = Grid::new(positions, elements, &table, is_atom);
+    let near = grid.pairs(|a, b, length| {
+        let is_bond = bonds.binary_search_by_key(&(a, b, [0; 3]), Bond::key).is_ok();
+        (!is_bond).then_some((a, b, length))
+    });
+    let reason = |a: u32, b: u32, length: f32| -> Option<&'static str> {
+        let (one, other) = (a as usize, b as usize);
+        let known = [known.standing(one), known.standing(other)];
+        let same_residue = structure.residue_index(one) == structure.residue_index(other);
+        if known.iter().all(|standing| standing.is_known()) && same_residue {
+            return None;
+        }
+        let role = [sites.role(one), sites.role(other)];
+        let metal = elements[one].is_metal() || elements[other].is_metal();
+        let hydrogen = [one, other].iter().any(|&atom| elements[atom] == Element::H && bonded[atom]);
+        Some(match () {
+            () if rules::is_too_near(length) => "nearer than any two atoms can be",
+            () if sites.are_alternatives(one, other) => "alternate locations",
+            () if role.contains(&Role::Water) => "water stays apart",
+            () if hydrogen => "the hydrogen has its bond",
+            () if !metal && known.iter().any(|standing| standing.is_full()) => {
+                "valence full: all partners of the dictionary are there"
+            }
+            () if metal && role.contains(&Role::Ion) => "an ion floats unless it has three donors",
+            () if metal => "no free electron pair towards the metal, or a nearer atom of the same group",
+            () => "valence full, or too narrow an angle",
+        })
+    };
+    let mut out: Vec<NotBonded> = (near.into_iter())
+        .filter_map(|(a, b, length)| reason(a, b, length).map(|reason| NotBonded { a, b, length, reason }))
+        .collect();
+    out.sort_unstable_by_key(|pair| (pair.a, pair.b));
+    out
+}
+
+impl Explained {
+    /// The order as a word: `single`, `double`, …, `none` for coordination and hydrogen bonds, with `aromatic` where it is.
+    #[must_use]
+    pub fn order_name(&self) -> &'static str {
+        match (self.bond.aromatic, self.bond.order) {
+            (true, BondOrder::Double) => "aromatic double",
+            (true, BondOrder::Single) => "aromatic single",
+            (true, _) => "aromatic",
+            (false, BondOrder::Unknown) => "none",
+            (false, BondOrder::Single) => "single",
+            (false, BondOrder::Double) => "double",
+            (false, BondOrder::Triple) => "triple",
+            (false, BondOrder::Quadruple) => "quadruple",
+        }
+    }
+}
