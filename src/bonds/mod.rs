@@ -21,6 +21,7 @@ mod distance;
 mod grid;
 mod hydrogen;
 mod metal;
+mod orders;
 mod rules;
 mod sites;
 mod valence;
@@ -106,16 +107,24 @@ pub fn find(structure: &Structure, frame: usize, options: &BondOptions) -> Vec<B
     let options = options.sane();
     let stated = match options.mode {
         BondMode::None => return Vec::new(),
-        BondMode::File => return structure.bonds().to_vec(),
+        BondMode::File => return with_kekule_form(structure),
         BondMode::Perceive => &[],
-        BondMode::Auto if structure.stated_bonds() == StatedBonds::Complete => return structure.bonds().to_vec(),
+        BondMode::Auto if structure.stated_bonds() == StatedBonds::Complete => return with_kekule_form(structure),
         BondMode::Auto => structure.bonds(),
     };
-    let inferred = match structure.frames().get(frame) {
-        Some(frame) => distance::find(structure, frame.positions.relative(), stated, &options),
-        None => Vec::new(),
-    };
-    merge(stated, inferred, structure)
+    let Some(frame) = structure.frames().get(frame) else { return merge(stated, Vec::new(), structure) };
+    let inferred = distance::find(structure, frame.positions.relative(), stated, &options);
+    let mut bonds = merge(stated, inferred, structure);
+    orders::perceive(structure.elements(), frame.positions.relative(), frame.cell.as_ref(), &mut bonds);
+    orders::kekulise(structure, &mut bonds);
+    bonds
+}
+
+/// The file's bonds; aromatic ones without an order get one.
+fn with_kekule_form(structure: &Structure) -> Vec<Bond> {
+    let mut bonds = structure.bonds().to_vec();
+    orders::kekulise(structure, &mut bonds);
+    bonds
 }
 
 /// The structure with the bonds of its first frame.
