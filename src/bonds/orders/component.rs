@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 /// How much longer than expected a double or triple bond may be, in ångström: 5 times the error of a length from
 /// positions with errors of 0.03 Å, and for aromatic rings, whose bonds lie between single and double, 0.08 Å more.
-const LONGER: f32 = 0.2;
+const LONGER: f32 = 0.18;
 const LONGER_IN_RING: f32 = 0.28;
 
 /// A molecule or several, with all that is known before the orders.
@@ -118,6 +118,9 @@ impl<'a> Setup<'a> {
     }
 }
 
+/// States that cost more than this are left out at first: radicals, carbocations, bare nitrogen.
+const USUAL_COST: f32 = 8.5;
+
 /// A set of atoms with their states.
 pub(super) struct Component<'s, 'a> {
     setup: &'s Setup<'a>,
@@ -132,7 +135,7 @@ pub(super) struct Component<'s, 'a> {
 
 impl<'s, 'a> Component<'s, 'a> {
     /// The states and bonds of these atoms.
-    pub(super) fn new(setup: &'s Setup<'a>, atoms: Vec<u32>) -> Component<'s, 'a> {
+    pub(super) fn new(setup: &'s Setup<'a>, atoms: Vec<u32>, most_cost: f32) -> Component<'s, 'a> {
         let graph = &setup.graph;
         let site_of = |atom: usize| setup.sites[atom];
         let mut all = Vec::with_capacity(atoms.len());
@@ -142,7 +145,10 @@ impl<'s, 'a> Component<'s, 'a> {
             let around = graph.around(atom);
             let mut states = Vec::new();
             let allowed = |slot: usize| setup.limits[around[slot].bond as usize];
-            states::states(graph, &setup.kinds, atom, setup.sites[atom].hydrogens, setup.fixed_extra(atom), allowed, &mut states);
+            states::states(graph, &setup.kinds, atom, setup.sites[atom].hydrogens, setup.fixed_extra(atom), most_cost, allowed, &mut states);
+            if states.is_empty() {
+                states::states(graph, &setup.kinds, atom, setup.sites[atom].hydrogens, setup.fixed_extra(atom), f32::INFINITY, allowed, &mut states);
+            }
             all.push(states);
             for (slot, neighbour) in around.iter().enumerate().take(MOST_NEIGHBOURS) {
                 match atoms.binary_search(&neighbour.atom) {
@@ -157,6 +163,19 @@ impl<'s, 'a> Component<'s, 'a> {
             }
         }
         Component { setup, atoms, states: all, edges, rims }
+    }
+
+    /// The orders of the bonds between these atoms that score best: bond and order.
+    pub(super) fn best(setup: &'s Setup<'a>, atoms: Vec<u32>, weights: &impl Weights) -> Vec<(u32, u8)> {
+        let component = Component::new(setup, atoms, USUAL_COST);
+        let problem = component.problem(weights);
+        let chosen = problem.solve();
+        if problem.score(&chosen).is_finite() {
+            return component.orders(&chosen);
+        }
+        let component = Component::new(setup, component.atoms, f32::INFINITY);
+        let chosen = component.problem(weights).solve();
+        component.orders(&chosen)
     }
 
     /// The bonds and orders of a choice of states.

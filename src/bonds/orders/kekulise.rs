@@ -97,7 +97,7 @@ fn choices(
     let hydrogens = if is_known { graph.held(atom).hydrogens } else { UNKNOWN };
     let mut found = Vec::new();
     let allowed = |slot: usize| u8::from(is_open(around[slot].bond));
-    states::states(graph, kinds, atom, hydrogens, fixed_extra, allowed, &mut found);
+    states::states(graph, kinds, atom, hydrogens, fixed_extra, f32::INFINITY, allowed, &mut found);
     let stated = structure.formal_charge(atom);
     let score = |&(state, cost): &(State, f32)| {
         let mut cost = cost;

@@ -124,11 +124,7 @@ fn reach(graph: &Graph<'_>, is_open: &[bool]) -> Option<Vec<bool>> {
 
 /// The order of every bond in reach, by the model.
 fn best_orders(setup: &Setup<'_>) -> Vec<(u32, u8)> {
-    let of_component = |atoms: Vec<u32>| {
-        let component = Component::new(setup, atoms);
-        let chosen = component.problem(&*MODEL).solve();
-        component.orders(&chosen)
-    };
+    let of_component = |atoms: Vec<u32>| Component::best(setup, atoms, &*MODEL);
     setup.components().into_par_iter().with_min_len(8).flat_map_iter(of_component).collect()
 }
 

@@ -33,11 +33,98 @@ struct Table {
 impl Problem {
     /// The best states, or, where finding these would take too long, good ones.
     pub(super) fn solve(&self) -> Vec<u8> {
-        let work = self.unary.len().saturating_mul(MOST_WORK).max(8 * LARGEST_TABLE);
-        Elimination::new(self).run(LARGEST_TABLE, work, false).unwrap_or_else(|| {
-            let settled = Elimination::new(self).run(LARGEST_TABLE_SETTLED, usize::MAX, true);
-            settled.unwrap_or_else(|| vec![0; self.unary.len()])
-        })
+        let kept = self.consistent();
+        let small = self.reduced(&kept);
+        let work = small.unary.len().saturating_mul(MOST_WORK).max(8 * LARGEST_TABLE);
+        let chosen = Elimination::new(&small).run(LARGEST_TABLE, work, false).unwrap_or_else(|| {
+            let settled = Elimination::new(&small).run(LARGEST_TABLE_SETTLED, usize::MAX, true);
+            settled.unwrap_or_else(|| vec![0; small.unary.len()])
+        });
+        let state = |(kept, chosen): (&Vec<u8>, &u8)| kept.get(usize::from(*chosen)).copied().unwrap_or(0);
+        kept.iter().zip(&chosen).map(state).collect()
+    }
+
+    /// The score of a choice.
+    pub(super) fn score(&self, chosen: &[u8]) -> f32 {
+        let own = self.unary.iter().zip(chosen).map(|(unary, &state)| unary[usize::from(state)]);
+        let pair = |(a, b, scores): &(u32, u32, Vec<f32>)| {
+            let (one, other) = (usize::from(chosen[*a as usize]), usize::from(chosen[*b as usize]));
+            scores[one * self.unary[*b as usize].len() + other]
+        };
+        own.sum::<f32>() + self.pairs.iter().map(pair).sum::<f32>()
+    }
+
+    /// The states of each variable that fit some state of each neighbour, found by striking out one after the other; all
+    /// states where that leaves none.
+    fn consistent(&self) -> Vec<Vec<u8>> {
+        let mut alive: Vec<Vec<bool>> = self.unary.iter().map(|scores| scores.iter().map(|score| score.is_finite()).collect()).collect();
+        let mut of: Vec<Vec<u32>> = vec![Vec::new(); self.unary.len()];
+        for (index, (a, b, _)) in self.pairs.iter().enumerate() {
+            of[*a as usize].push(index as u32);
+            of[*b as usize].push(index as u32);
+        }
+        let mut queue: Vec<u32> = (0..self.pairs.len() as u32).rev().collect();
+        let mut is_queued = vec![true; self.pairs.len()];
+        while let Some(index) = queue.pop() {
+            is_queued[index as usize] = false;
+            let (a, b, scores) = &self.pairs[index as usize];
+            let (a, b) = (*a as usize, *b as usize);
+            let width = self.unary[b].len();
+            for (variable, other, stride, other_stride) in [(a, b, width, 1), (b, a, 1, width)] {
+                let mut is_changed = false;
+                for state in 0..self.unary[variable].len() {
+                    let fits = |(beside, &alive): (usize, &bool)| alive && scores[state * stride + beside * other_stride].is_finite();
+                    if alive[variable][state] && !alive[other].iter().enumerate().any(fits) {
+                        alive[variable][state] = false;
+                        is_changed = true;
+                    }
+                }
+                if is_changed {
+                    for &next in &of[variable] {
+                        if !std::mem::replace(&mut is_queued[next as usize], true) {
+                            queue.push(next);
+                        }
+                    }
+                }
+            }
+        }
+        let kept = |alive: &Vec<bool>| (0..alive.len() as u8).filter(|&state| alive[usize::from(state)]).collect();
+        let kept: Vec<Vec<u8>> = alive.iter().map(kept).collect();
+        if kept.iter().any(Vec::is_empty) {
+            return self.unary.iter().map(|scores| (0..scores.len() as u8).collect()).collect();
+        }
+        kept
+    }
+
+    /// The problem of the kept states; pairs of which one has a single state are counted with the other's.
+    fn reduced(&self, kept: &[Vec<u8>]) -> Problem {
+        let unary = self.unary.iter().zip(kept);
+        let mut small = Problem {
+            unary: unary.map(|(scores, kept)| kept.iter().map(|&state| scores[usize::from(state)]).collect()).collect(),
+            pairs: Vec::with_capacity(self.pairs.len()),
+        };
+        for (a, b, scores) in &self.pairs {
+            let (one, other) = (&kept[*a as usize], &kept[*b as usize]);
+            let width = self.unary[*b as usize].len();
+            let at = |one: u8, other: u8| scores[usize::from(one) * width + usize::from(other)];
+            match (one.as_slice(), other.as_slice()) {
+                (&[one], _) => {
+                    for (score, &other) in small.unary[*b as usize].iter_mut().zip(other) {
+                        *score += at(one, other);
+                    }
+                }
+                (_, &[other]) => {
+                    for (score, &one) in small.unary[*a as usize].iter_mut().zip(one) {
+                        *score += at(one, other);
+                    }
+                }
+                _ => {
+                    let scores = one.iter().flat_map(|&one| other.iter().map(move |&other| (one, other)));
+                    small.pairs.push((*a, *b, scores.map(|(one, other)| at(one, other)).collect()));
+                }
+            }
+        }
+        small
     }
 }
 
@@ -74,7 +161,11 @@ impl<'p> Elimination<'p> {
             answers: Vec::with_capacity(count),
         };
         for variable in 0..count as u32 {
-            elimination.queue(variable);
+            match *elimination.of[variable as usize] {
+                // Alone: settled at once.
+                [] => elimination.eliminate(variable, Vec::new(), 1),
+                _ => elimination.queue(variable),
+            }
         }
         elimination
     }

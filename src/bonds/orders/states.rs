@@ -149,14 +149,29 @@ pub(super) fn pi_kind(graph: &Graph<'_>, kinds: &RingKinds, atom: usize, extra: 
     }
 }
 
-/// All states of an atom. `allowed` says which extra pairs a bond (by its place around the atom) may have; the
-/// state without any comes first and is always there.
+/// Degrees below which an atom of carbon or nitrogen between two others has neither a triple nor two double bonds:
+/// 158° in cyclooctyne (Haase and Krebs 1971), less 3 standard errors of an angle between positions with errors of 0.03 Å.
+const LINEAR_DEG: f32 = 145.0;
+
+/// Whether an atom is bent as only those without a triple bond and with at most one double bond are.
+fn is_bent(graph: &Graph<'_>, atom: usize) -> bool {
+    match *graph.around(atom) {
+        [one, other] if graph.has_geometry() && matches!(graph.elements[atom].z(), 6 | 7) => {
+            graph.vector(atom, one).angle_between(graph.vector(atom, other)).to_degrees() < LINEAR_DEG
+        }
+        _ => false,
+    }
+}
+
+/// All states of an atom that cost no more than `most_cost`. `allowed` says which extra pairs a bond (by its place around the atom) may have;
+/// without extra pairs is the first.
 pub(super) fn states(
     graph: &Graph<'_>,
     kinds: &RingKinds,
     atom: usize,
     hydrogens: u8,
     fixed_extra: usize,
+    most_cost: f32,
     allowed: impl Fn(usize) -> u8,
     out: &mut Vec<(State, f32)>,
 ) {
@@ -167,6 +182,7 @@ pub(super) fn states(
     let taken = usize::from(held.others) + usize::from(held.hydrogens);
     let bonds = degree + taken;
     let most = usize::from(most_extra(element, degree, taken, is_flat_ring(kinds.atom(atom))));
+    let most = if is_bent(graph, atom) { most.min(1) } else { most };
     let has_metals = held.metals > 0;
     let limits: [u8; MOST_NEIGHBOURS] =
         std::array::from_fn(|slot| if slot < degree && degree <= MOST_NEIGHBOURS { allowed(slot) } else { 0 });
@@ -178,9 +194,9 @@ pub(super) fn states(
         }
         let pi = pi_kind(graph, kinds, atom, extra);
         match cost(element, bonds + fixed_extra + sum, bonds, known, has_metals) {
-            Some((cost, charge)) => out.push((State { extra, pi, charge }, cost)),
+            Some((cost, charge)) if cost <= most_cost => out.push((State { extra, pi, charge }, cost)),
             None if extra == 0 => out.push((State { extra, pi, charge: 0 }, 0.0)),
-            None => {}
+            _ => {}
         }
     }
 }
