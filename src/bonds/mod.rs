@@ -7,8 +7,8 @@
 //! 2. residue knowledge (component dictionary, polymer links) stands here in the order;
 //! 3. distance (`distance`): every pair that no source above has settled.
 //!
-//! Orders and aromaticity are a further step after these: distances give single bonds ([`BondOrder::Single`]) and
-//! coordination without an order ([`BondOrder::Unknown`]).
+//! Orders and aromaticity are a further step after these (`orders`): distances give single bonds
+//! ([`BondOrder::Single`]) and coordination without an order ([`BondOrder::Unknown`]).
 //!
 //! The result is the same for every order of the atoms, up to ties, which the lower index wins, and for every
 //! number of threads.
@@ -28,6 +28,8 @@ mod valence;
 
 #[cfg(test)]
 mod tests;
+
+pub use orders::aromatic_rings;
 
 use crate::structure::{Bond, BondKind, BondOrder, StatedBonds, Structure};
 
@@ -127,11 +129,31 @@ fn with_kekule_form(structure: &Structure) -> Vec<Bond> {
     bonds
 }
 
-/// The structure with the bonds of its first frame.
+/// The structure with the bonds of its first frame. Where it states no formal charges and its bonds are found, not
+/// listed, it also gets the charges that follow from these.
 #[must_use]
 pub fn assign(structure: Structure, options: &BondOptions) -> Structure {
     let bonds = find(&structure, 0, options);
-    structure.with_bonds(bonds)
+    let is_listed = match options.mode {
+        BondMode::Auto => structure.stated_bonds() == StatedBonds::Complete,
+        BondMode::Perceive => false,
+        BondMode::File | BondMode::None => true,
+    };
+    // Alternate locations would count as bonds too many.
+    let charges = if is_listed || structure.has_formal_charges() || structure.has_altlocs() {
+        Vec::new()
+    } else {
+        orders::charges(&structure, &bonds)
+    };
+    let structure = structure.with_bonds(bonds);
+    if charges.is_empty() {
+        return structure;
+    }
+    let mut of_atom = vec![0i8; structure.atom_count()];
+    for (atom, charge) in charges {
+        of_atom[atom as usize] = charge;
+    }
+    structure.with_formal_charges(of_atom)
 }
 
 /// Both sorted lists as one. They have no pair in common.

@@ -12,6 +12,9 @@ mod sites;
 mod solve;
 mod states;
 
+#[cfg(test)]
+mod tests;
+
 use crate::element::Element;
 use crate::structure::{Bond, BondKind, BondOrder, BondSource, Cell, Structure};
 use component::{Component, Setup};
@@ -190,6 +193,10 @@ fn hydrogens_known(graph: &Graph<'_>, marked: &[bool]) -> Vec<bool> {
     let mut known = vec![false; count];
     let mut is_seen = vec![false; count];
     for start in (0..count).filter(|&start| marked[start] && graph::is_heavy(graph.elements[start])) {
+        if graph.degree(start) == 0 {
+            known[start] = graph.held(start).hydrogens > 0;
+            continue;
+        }
         let atoms = connected(graph, start, &mut is_seen);
         let has = |of_carbon: bool| {
             let is_one = |atom: &u32| {

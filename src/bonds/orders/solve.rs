@@ -11,9 +11,9 @@ use std::collections::BinaryHeap;
 /// Entries of the largest table of an exact solution: drugs and proteins need at most a few thousand.
 const LARGEST_TABLE: usize = 1 << 16;
 /// Entries of all tables of an exact solution, by variable: more is a sheet or a cage.
-const MOST_WORK: usize = 2_000;
-/// Entries of the largest table where some atoms are settled beforehand: six carbons with four states each.
-const LARGEST_TABLE_SETTLED: usize = 1 << 12;
+const MOST_WORK: usize = 200;
+/// Entries of the largest table where some atoms are settled beforehand: five carbons with four states each.
+const LARGEST_TABLE_SETTLED: usize = 1 << 10;
 
 /// A graph of choices. Scores are summed and the highest sum wins; −∞ forbids.
 #[derive(Debug, Default)]
@@ -135,7 +135,7 @@ struct Elimination<'p> {
     tables: Vec<Option<Table>>,
     /// The tables of each variable; some may be gone.
     of: Vec<Vec<u32>>,
-    /// Variables by the size of the table that their elimination makes; entries may be out of date.
+    /// Variables by [`Elimination::width`]; entries may be out of date.
     heap: BinaryHeap<Reverse<(usize, u32)>>,
     is_done: Vec<bool>,
     /// In the order of elimination: the variable, its scope, and its best state for every choice of that.
@@ -189,24 +189,30 @@ impl<'p> Elimination<'p> {
         scope.iter().fold(1usize, |entries, &other| entries.saturating_mul(self.size(other)))
     }
 
+    /// How many variables a variable shares tables with, those of several tables counted as often.
+    fn width(&self, variable: u32) -> usize {
+        let tables = self.of[variable as usize].iter().filter_map(|&index| self.tables[index as usize].as_ref());
+        tables.map(|table| table.scope.len() - 1).sum()
+    }
+
     fn queue(&mut self, variable: u32) {
-        let entries = self.entries(&self.scope(variable));
-        self.heap.push(Reverse((entries, variable)));
+        self.heap.push(Reverse((self.width(variable), variable)));
     }
 
     /// Eliminates all variables; `None` if a table or the sum of all would be too large and `may_settle` does not hold.
     fn run(mut self, largest: usize, most_work: usize, may_settle: bool) -> Option<Vec<u8>> {
         let mut work = 0usize;
-        while let Some(Reverse((entries, variable))) = self.heap.pop() {
+        while let Some(Reverse((width, variable))) = self.heap.pop() {
             if self.is_done[variable as usize] {
+                continue;
+            }
+            let now = self.width(variable);
+            if now > width {
+                self.heap.push(Reverse((now, variable)));
                 continue;
             }
             let scope = self.scope(variable);
             let now = self.entries(&scope);
-            if now > entries {
-                self.heap.push(Reverse((now, variable)));
-                continue;
-            }
             let cost = now.saturating_mul(self.size(variable));
             work = work.saturating_add(cost);
             if cost > largest || work > most_work {
@@ -259,8 +265,8 @@ impl<'p> Elimination<'p> {
     /// Settles a variable, or the one of its scope that has most tables, by what its tables say at their best.
     fn settle(&mut self, variable: u32, scope: &[u32]) {
         let tables = |other: u32| self.of[other as usize].iter().filter(|&&index| self.tables[index as usize].is_some());
-        let width = |other: u32| tables(other).map(|&index| self.tables[index as usize].as_ref().map_or(0, |table| table.scope.len())).sum::<usize>();
-        let settled = scope.iter().copied().chain([variable]).max_by_key(|&other| (width(other), Reverse(other))).unwrap_or(variable);
+        let widest = scope.iter().copied().chain([variable]).max_by_key(|&other| (self.width(other), Reverse(other)));
+        let settled = widest.unwrap_or(variable);
         let mut scores = self.unary[settled as usize].clone();
         let indices: Vec<u32> = tables(settled).copied().collect();
         for table in indices.iter().filter_map(|&index| self.tables[index as usize].as_ref()) {
