@@ -15,7 +15,7 @@
 //! Bonds of metals to donors are [`BondKind::Coordination`] without an order, whoever names them, but for the double bonds
 //! of terminal oxides and the like.
 //!
-//! Orders and aromaticity of what no residue knows are a further step after these: distances give single bonds
+//! Orders and aromaticity of what no residue knows are a further step after these (`orders`): distances give single bonds
 //! ([`BondOrder::Single`]) and coordination without an order ([`BondOrder::Unknown`]).
 //!
 //! [`BondMode::File`] takes 1 and the file's own part of 2, [`BondMode::Perceive`] 3 alone. [`explain`] says of each bond
@@ -38,6 +38,7 @@ mod hbonds;
 mod hydrogen;
 mod links;
 mod metal;
+mod orders;
 mod periodic;
 mod residues;
 mod rules;
@@ -48,6 +49,7 @@ mod valence;
 mod tests;
 
 pub use explain::{Explained, NotBonded, explain, not_bonded};
+pub use orders::aromatic_rings;
 
 use crate::structure::{Bond, BondKind, BondOrder, StatedBonds, Structure};
 use glam::Vec3;
@@ -145,7 +147,7 @@ fn find_all(structure: &Structure, frame: usize, options: &BondOptions) -> (Vec<
         return (stated, Known::default());
     };
     let is_complete = structure.stated_bonds() == StatedBonds::Complete;
-    let (bonds, known) = match options.mode {
+    let (mut bonds, known) = match options.mode {
         BondMode::Auto | BondMode::File if is_complete => (stated, Known::default()),
         BondMode::Perceive | BondMode::None => {
             let known = Known::default();
@@ -158,6 +160,10 @@ fn find_all(structure: &Structure, frame: usize, options: &BondOptions) -> (Vec<
             (merge(settled, inferred), known)
         }
     };
+    if options.mode == BondMode::Perceive || options.mode == BondMode::Auto && !is_complete {
+        orders::perceive(structure.elements(), positions, structure.lattice(frame), &mut bonds);
+    }
+    orders::kekulise(structure, &mut bonds);
     if !options.hydrogen_bonds {
         return (bonds, known);
     }
@@ -179,11 +185,31 @@ fn described(
     (settle(stated, inside, links, &mut known), known)
 }
 
-/// The structure with the bonds of its first frame.
+/// The structure with the bonds of its first frame. Where it states no formal charges and its bonds are found, not
+/// listed, it also gets the charges that follow from these.
 #[must_use]
 pub fn assign(structure: Structure, options: &BondOptions) -> Structure {
     let bonds = find(&structure, 0, options);
-    structure.with_bonds(bonds)
+    let is_listed = match options.mode {
+        BondMode::Auto => structure.stated_bonds() == StatedBonds::Complete,
+        BondMode::Perceive => false,
+        BondMode::File | BondMode::None => true,
+    };
+    // Alternate locations would count as bonds too many.
+    let charges = if is_listed || structure.has_formal_charges() || structure.has_altlocs() {
+        Vec::new()
+    } else {
+        orders::charges(&structure, &bonds)
+    };
+    let structure = structure.with_bonds(bonds);
+    if charges.is_empty() {
+        return structure;
+    }
+    let mut of_atom = vec![0i8; structure.atom_count()];
+    for (atom, charge) in charges {
+        of_atom[atom as usize] = charge;
+    }
+    structure.with_formal_charges(of_atom)
 }
 
 /// What the file states, completed by what is known of the residues.

@@ -360,6 +360,20 @@ impl Structure {
         self
     }
 
+    /// The same structure with these formal charges in place of its own, one an atom; a list of another length is none.
+    #[must_use]
+    pub fn with_formal_charges(mut self, charges: Vec<i8>) -> Structure {
+        let is_stated = charges.len() == self.element.len() && charges.iter().any(|&charge| charge != 0);
+        self.formal_charge = if is_stated { charges } else { Vec::new() };
+        self
+    }
+
+    /// Whether any atom has a formal charge.
+    #[must_use]
+    pub fn has_formal_charges(&self) -> bool {
+        self.formal_charge.iter().any(|&charge| charge != 0)
+    }
+
     /// The same structure with frame `index` as its first and only one; `None` if there is no such frame.
     #[must_use]
     pub fn with_only_frame(mut self, index: usize) -> Option<Structure> {

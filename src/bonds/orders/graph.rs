@@ -1,0 +1,149 @@
+//! The covalent graph of the heavy nonmetals, with what else each of them holds.
+
+use crate::element::Element;
+use crate::structure::{Bond, BondKind, Cell};
+use glam::{Mat3, Vec3};
+
+/// A neighbour of an atom.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Neighbour {
+    /// The other atom.
+    pub(super) atom: u32,
+    /// The index of the bond.
+    pub(super) bond: u32,
+}
+
+/// Heavy nonmetals and their covalent bonds; hydrogens and metals are counted at their partners.
+pub(super) struct Graph<'a> {
+    pub(super) elements: &'a [Element],
+    positions: &'a [Vec3],
+    bonds: &'a [Bond],
+    lattice: Option<Mat3>,
+    /// The neighbours of atom `i` are `around[start[i]..start[i + 1]]`.
+    start: Vec<u32>,
+    around: Vec<Neighbour>,
+    held: Vec<Held>,
+}
+
+/// What an atom holds beside its heavy neighbours.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Held {
+    /// Hydrogens.
+    pub(super) hydrogens: u8,
+    /// Partners by coordination or dative bonds: no valence.
+    pub(super) metals: u8,
+    /// Electron pairs shared with metals and dummies.
+    pub(super) others: u8,
+}
+
+/// Whether an atom is a vertex of the graph.
+pub(super) fn is_heavy(element: Element) -> bool {
+    element != Element::DUMMY && element != Element::H && !element.is_metal()
+}
+
+impl<'a> Graph<'a> {
+    /// The graph of these bonds. `positions` may be empty: then there is no geometry. Bonds to atoms that are not there
+    /// are none.
+    pub(super) fn new(
+        elements: &'a [Element],
+        positions: &'a [Vec3],
+        bonds: &'a [Bond],
+        cell: Option<&Cell>,
+    ) -> Graph<'a> {
+        let count = elements.len();
+        let mut start = vec![0u32; count + 1];
+        let mut held = vec![Held::default(); count];
+        let is_edge = |bond: &Bond| {
+            let (a, b) = (bond.a as usize, bond.b as usize);
+            a < count && b < count && a != b && is_heavy(elements[a]) && is_heavy(elements[b]) && is_shared(bond)
+        };
+        for bond in bonds {
+            let ends = [bond.a as usize, bond.b as usize];
+            if ends.iter().any(|&end| end >= count) || ends[0] == ends[1] || bond.kind == BondKind::Hydrogen {
+                continue;
+            }
+            if is_edge(bond) {
+                start[ends[0]] += 1;
+                start[ends[1]] += 1;
+                continue;
+            }
+            for (end, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
+                let held = &mut held[end];
+                let slot = match elements[other] {
+                    Element::H => &mut held.hydrogens,
+                    _ if is_shared(bond) => &mut held.others,
+                    _ => &mut held.metals,
+                };
+                *slot = slot.saturating_add(1);
+            }
+        }
+        let mut sum = 0u32;
+        for count in &mut start {
+            sum += *count;
+            *count = sum;
+        }
+        let mut around = vec![Neighbour { atom: 0, bond: 0 }; sum as usize];
+        for (index, bond) in bonds.iter().enumerate().rev().filter(|(_, bond)| is_edge(bond)) {
+            for (end, other) in [(bond.a, bond.b), (bond.b, bond.a)] {
+                let slot = &mut start[end as usize];
+                *slot -= 1;
+                around[*slot as usize] = Neighbour { atom: other, bond: index as u32 }; // 16 bytes each: below 2^32
+            }
+        }
+        let is_periodic = bonds.iter().any(Bond::is_periodic);
+        let lattice = cell.filter(|_| is_periodic).map(|cell| cell.cartesian_from_fractional().as_mat3());
+        let positions = if positions.len() == count { positions } else { &[] };
+        Graph { elements, positions, bonds, lattice, start, around, held }
+    }
+
+    /// The number of atoms, hydrogens and metals too.
+    pub(super) fn atom_count(&self) -> usize {
+        self.elements.len()
+    }
+
+    /// Whether there are positions.
+    pub(super) fn has_geometry(&self) -> bool {
+        !self.positions.is_empty()
+    }
+
+    /// All bonds, those that are no edges too.
+    pub(super) fn bonds(&self) -> &'a [Bond] {
+        self.bonds
+    }
+
+    /// The heavy neighbours of an atom.
+    pub(super) fn around(&self, atom: usize) -> &[Neighbour] {
+        &self.around[self.start[atom] as usize..self.start[atom + 1] as usize]
+    }
+
+    /// The number of heavy neighbours.
+    pub(super) fn degree(&self, atom: usize) -> usize {
+        (self.start[atom + 1] - self.start[atom]) as usize
+    }
+
+    /// What an atom holds beside them.
+    pub(super) fn held(&self, atom: usize) -> Held {
+        self.held[atom]
+    }
+
+    /// From an atom to its neighbour; zero without geometry.
+    pub(super) fn vector(&self, from: usize, to: Neighbour) -> Vec3 {
+        if self.positions.is_empty() {
+            return Vec3::ZERO;
+        }
+        let between = self.positions[to.atom as usize] - self.positions[from];
+        let bond = &self.bonds[to.bond as usize];
+        match &self.lattice {
+            Some(lattice) if bond.is_periodic() => {
+                let shift = *lattice * Vec3::from_array(bond.image.map(f32::from));
+                if bond.a as usize == from { between + shift } else { between - shift }
+            }
+            _ => between,
+        }
+    }
+}
+
+/// Whether a bond is an electron pair to which both atoms gave; a dative one is a donor's, as that to a metal.
+fn is_shared(bond: &Bond) -> bool {
+    bond.kind == BondKind::Covalent
+}

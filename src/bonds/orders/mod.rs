@@ -1,0 +1,217 @@
+//! orders
+mod aromatic;
+mod charges;
+mod component;
+mod features;
+mod graph;
+mod kekulise;
+mod lengths;
+mod model;
+mod rings;
+mod sites;
+mod solve;
+mod states;
+
+#[cfg(test)]
+mod tests;
+
+use crate::element::Element;
+use crate::structure::{Bond, BondKind, BondOrder, BondSource, Cell, Structure};
+use component::{Component, Setup};
+use glam::Vec3;
+use graph::Graph;
+use model::MODEL;
+use rayon::prelude::*;
+
+pub(super) use kekulise::kekulise;
+
+/// Gives an order to every covalent bond of heavy nonmetals that has none yet: those found by distance, and those of a
+/// partial list of the file that says nothing but which atoms are bonded. Marks the aromatic ones among these.
+pub(super) fn perceive(elements: &[Element], positions: &[Vec3], cell: Option<&Cell>, bonds: &mut [Bond]) {
+    if positions.len() != elements.len() {
+        return;
+    }
+    let is_open = open_bonds(elements, bonds);
+    let found = {
+        let graph = Graph::new(elements, positions, bonds, cell);
+        let Some(reach) = reach(&graph, &is_open) else { return };
+        let rings = rings::find(&graph, |atom| reach[atom], rings::LARGEST_RING);
+        let known = hydrogens_known(&graph, &reach);
+        let setup = Setup::new(graph, &rings, &|atom| known[atom], &|bond| is_open[bond]);
+        let orders = best_orders(&setup);
+        let aromatic = aromatic_bonds(&setup.graph, &rings, &orders, &|atom| known[atom]);
+        (orders, aromatic)
+    };
+    let (orders, aromatic) = found;
+    for (bond, order) in orders {
+        bonds[bond as usize].order = BondOrder::from_number(u32::from(order));
+    }
+    for bond in aromatic {
+        let bond_of = &mut bonds[bond as usize];
+        bond_of.aromatic |= is_open[bond as usize];
+    }
+    // What no double bond has reached is single.
+    for (bond, _) in bonds.iter_mut().zip(&is_open).filter(|(bond, open)| **open && bond.order == BondOrder::Unknown) {
+        bond.order = BondOrder::Single;
+    }
+}
+
+/// The bonds whose orders are to be found.
+fn open_bonds(elements: &[Element], bonds: &[Bond]) -> Vec<bool> {
+    let is_covalent = |bond: &Bond| {
+        let heavy = |atom: u32| elements.get(atom as usize).is_some_and(|&element| graph::is_heavy(element));
+        bond.kind == BondKind::Covalent && heavy(bond.a) && heavy(bond.b)
+    };
+    let mut is_open: Vec<bool> = bonds
+        .iter()
+        .map(|bond| is_covalent(bond) && matches!(bond.source, BondSource::Distance | BondSource::File))
+        .collect();
+    // CONECT is a list of neighbours. Only where it repeats a bond, in the same molecule, does it speak of orders.
+    let says_more = |bond: &Bond| bond.source == BondSource::File && (bond.order > BondOrder::Single || bond.aromatic);
+    if bonds.iter().any(says_more) {
+        let graph = Graph::new(elements, &[], bonds, None);
+        let speaks: Vec<bool> = bonds.iter().map(|bond| says_more(bond)).collect();
+        for atoms in molecules(&graph) {
+            let of = |atom: &u32| graph.around(*atom as usize).iter().map(|neighbour| neighbour.bond as usize);
+            if atoms.iter().flat_map(of).any(|bond| speaks[bond]) {
+                for bond in atoms.iter().flat_map(of) {
+                    is_open[bond] &= bonds[bond].source != BondSource::File;
+                }
+            }
+        }
+    }
+    is_open
+}
+
+/// The atoms of each connected part of the graph.
+fn molecules(graph: &Graph<'_>) -> Vec<Vec<u32>> {
+    let mut is_seen = vec![false; graph.atom_count()];
+    let starts = 0..graph.atom_count();
+    starts
+        .filter_map(|start| {
+            (graph.degree(start) > 0).then(|| connected(graph, start, &mut is_seen)).filter(|atoms| !atoms.is_empty())
+        })
+        .collect()
+}
+
+/// The atoms connected with one that were not seen before.
+fn connected(graph: &Graph<'_>, start: usize, is_seen: &mut [bool]) -> Vec<u32> {
+    if std::mem::replace(&mut is_seen[start], true) {
+        return Vec::new();
+    }
+    let mut atoms = vec![start as u32];
+    let mut at = 0;
+    while let Some(&atom) = atoms.get(at) {
+        at += 1;
+        for neighbour in graph.around(atom as usize) {
+            if !std::mem::replace(&mut is_seen[neighbour.atom as usize], true) {
+                atoms.push(neighbour.atom);
+            }
+        }
+    }
+    atoms
+}
+
+/// The atoms of the molecules in which any bond may be more than single; `None` if there is no such bond: water, alkanes.
+fn reach(graph: &Graph<'_>, is_open: &[bool]) -> Option<Vec<bool>> {
+    let may_be_more = |atom: usize| {
+        let held = graph.held(atom);
+        let taken = usize::from(held.hydrogens) + usize::from(held.others);
+        graph.degree(atom) > 0 && states::most_extra(graph.elements[atom], graph.degree(atom), taken, false) > 0
+    };
+    let mut reach = vec![false; graph.atom_count()];
+    let mut any = false;
+    for (bond, _) in graph.bonds().iter().zip(is_open).filter(|(_, open)| **open) {
+        let (a, b) = (bond.a as usize, bond.b as usize);
+        if !reach[a] && may_be_more(a) && may_be_more(b) {
+            any = true;
+            connected(graph, a, &mut reach);
+        }
+    }
+    any.then_some(reach)
+}
+
+/// The order of every bond in reach, by the model.
+fn best_orders(setup: &Setup<'_>) -> Vec<(u32, u8)> {
+    let of_component = |atoms: Vec<u32>| Component::best(setup, atoms, &*MODEL);
+    setup.components().into_par_iter().with_min_len(8).flat_map_iter(of_component).collect()
+}
+
+/// The aromatic bonds with these orders; the others have the order that they state.
+fn aromatic_bonds(
+    graph: &Graph<'_>,
+    rings: &[rings::Ring],
+    orders: &[(u32, u8)],
+    hydrogens_known: &(dyn Fn(usize) -> bool + Sync),
+) -> Vec<u32> {
+    if rings.is_empty() {
+        return Vec::new();
+    }
+    let mut order_of: Vec<u8> = graph.bonds().iter().map(|bond| bond.order.number()).collect();
+    for &(bond, order) in orders {
+        order_of[bond as usize] = order;
+    }
+    let order = |bond: u32| order_of[bond as usize];
+    let mut charge_of = vec![0i8; graph.atom_count()];
+    for (atom, charge) in charges::find(graph, &order, &hydrogens_known) {
+        charge_of[atom as usize] = charge;
+    }
+    let orders =
+        aromatic::Orders { order: &order, charge: &|atom| charge_of[atom], fills_up: &|atom| !hydrogens_known(atom) };
+    aromatic::find(graph, rings, &orders).concat()
+}
+
+/// The formal charges that follow from the bonds, where the structure states none: atom and charge.
+pub(super) fn charges(structure: &Structure, bonds: &[Bond]) -> Vec<(u32, i8)> {
+    let graph = Graph::new(structure.elements(), &[], bonds, None);
+    let known = hydrogens_known(&graph, &vec![true; graph.atom_count()]);
+    let order = |bond: u32| bonds[bond as usize].order.number();
+    charges::find(&graph, &order, &|atom| known[atom])
+}
+
+/// The bonds (by index into `bonds`) of every aromatic ring of a structure, found by the bonds' orders alone: what a file
+/// that is written in Kekulé form does not say. Fused rings that are aromatic only together count as one. Nothing is
+/// altered.
+///
+/// `bonds` are those of `structure`, or others between its atoms.
+#[must_use]
+pub fn aromatic_rings(structure: &Structure, bonds: &[Bond]) -> Vec<Vec<u32>> {
+    let graph = Graph::new(structure.elements(), &[], bonds, None);
+    let rings = rings::find(&graph, |_| true, rings::LARGEST_RING);
+    let known = hydrogens_known(&graph, &vec![true; graph.atom_count()]);
+    let orders = aromatic::Orders {
+        order: &|bond| bonds[bond as usize].order.number(),
+        charge: &|atom| structure.formal_charge(atom),
+        fills_up: &|atom| !known[atom],
+    };
+    aromatic::find(&graph, &rings, &orders)
+}
+
+/// For each atom of the graph's marked molecules whether its hydrogens are in the structure.
+///
+/// They are where any carbon of the same molecule has one. Where only other atoms have (polar hydrogens), these are
+/// known and those of carbon are not; where no atom has, none is known.
+fn hydrogens_known(graph: &Graph<'_>, marked: &[bool]) -> Vec<bool> {
+    let count = graph.atom_count();
+    let mut known = vec![false; count];
+    let mut is_seen = vec![false; count];
+    for start in (0..count).filter(|&start| marked[start] && graph::is_heavy(graph.elements[start])) {
+        if graph.degree(start) == 0 {
+            known[start] = graph.held(start).hydrogens > 0;
+            continue;
+        }
+        let atoms = connected(graph, start, &mut is_seen);
+        let has = |of_carbon: bool| {
+            let is_one = |atom: &u32| {
+                graph.held(*atom as usize).hydrogens > 0 && (graph.elements[*atom as usize] == Element::C) == of_carbon
+            };
+            atoms.iter().any(is_one)
+        };
+        let (on_carbon, on_others) = (has(true), has(false));
+        for &atom in &atoms {
+            let is_carbon = graph.elements[atom as usize] == Element::C;
+            known[atom as usize] = on_carbon || (on_others && !is_carbon);
+        }
+    }
+    known
+}

@@ -1,0 +1,366 @@
+//! Functional groups with and without hydrogens, from geometry alone.
+
+use super::*;
+use crate::bonds::{BondMode, BondOptions, assign, find};
+use crate::structure::{AtomRecord, Diagnostics, StatedBonds, StructureBuilder};
+use glam::{DMat3, DVec3};
+
+type Site = (&'static str, [f64; 3]);
+
+fn structure(sites: &[Site]) -> Structure {
+    let mut builder = StructureBuilder::new();
+    for &(symbol, position) in sites {
+        let element = Element::from_symbol(symbol).unwrap_or(Element::DUMMY);
+        builder.push_atom(&AtomRecord { element, position: DVec3::from(position), ..AtomRecord::default() });
+    }
+    builder.build(&mut Diagnostics::default())
+}
+
+fn without_hydrogens(sites: &[Site]) -> Vec<Site> {
+    sites.iter().copied().filter(|site| site.0 != "H").collect()
+}
+
+/// Bonds that are more than single or aromatic, as `C=O`, `N#N`, `C~C`, sorted.
+fn multiple(structure: &Structure) -> Vec<String> {
+    let name = |bond: &Bond| {
+        let symbol = |atom: u32| structure.elements()[atom as usize].symbol();
+        let (low, high) = (symbol(bond.a).min(symbol(bond.b)), symbol(bond.a).max(symbol(bond.b)));
+        let sign = if bond.aromatic { "~" } else { ["?", "-", "=", "#", "$"][usize::from(bond.order.number())] };
+        (sign != "-" && bond.kind == BondKind::Covalent).then(|| format!("{low}{sign}{high}"))
+    };
+    let mut names: Vec<String> = find(structure, 0, &BondOptions::default()).iter().filter_map(name).collect();
+    names.sort();
+    names
+}
+
+fn charges_of(sites: &[Site]) -> Vec<String> {
+    let structure = assign(structure(sites), &BondOptions::default());
+    let charge = |atom: usize| match structure.formal_charge(atom) {
+        0 => None,
+        charge => Some(format!("{}{charge:+}", structure.elements()[atom].symbol())),
+    };
+    let mut charges: Vec<String> = (0..structure.atom_count()).filter_map(charge).collect();
+    charges.sort();
+    charges
+}
+
+/// The same with and without hydrogens.
+fn assert_multiple(sites: &[Site], expected: &[&str]) {
+    assert_eq!(multiple(&structure(sites)), expected, "with hydrogens");
+    assert_eq!(multiple(&structure(&without_hydrogens(sites))), expected, "without hydrogens");
+}
+
+/// A neighbour in the xy plane: `length` from a point, `angle` in degrees from the x axis.
+fn beside(from: [f64; 3], length: f64, angle_deg: f64) -> [f64; 3] {
+    let angle = angle_deg.to_radians();
+    [from[0] + length * angle.cos(), from[1] + length * angle.sin(), from[2]]
+}
+
+/// A regular flat ring about the origin with atoms at `radius`, the first on the x axis.
+fn ring(symbols: &[&'static str], radius: f64) -> Vec<Site> {
+    let step = 360.0 / symbols.len() as f64;
+    symbols.iter().enumerate().map(|(i, &symbol)| (symbol, beside([0.0; 3], radius, step * i as f64))).collect()
+}
+
+fn benzene() -> Vec<Site> {
+    let mut sites = ring(&["C"; 6], 1.39);
+    sites.extend(ring(&["H"; 6], 2.48));
+    sites
+}
+
+/// A methyl group's three hydrogens on a carbon whose other bond points along `axis`.
+fn methyl(carbon: [f64; 3], axis: DVec3) -> Vec<Site> {
+    let axis = axis.normalize();
+    let side = axis.any_orthonormal_vector();
+    let third = axis.cross(side);
+    (0..3)
+        .map(|i| {
+            let turn = f64::from(i) * 120f64.to_radians();
+            let direction = -axis / 3.0 + (side * turn.cos() + third * turn.sin()) * (8f64.sqrt() / 3.0);
+            ("H", (DVec3::from(carbon) + direction * 1.09).to_array())
+        })
+        .collect()
+}
+
+/// CH₃–X with X at the origin's place and the methyl at −x: carbon and hydrogens.
+fn methyl_at_left(length: f64) -> Vec<Site> {
+    let carbon = [-length, 0.0, 0.0];
+    let mut sites = vec![("C", carbon)];
+    sites.extend(methyl(carbon, DVec3::X));
+    sites
+}
+
+#[test]
+fn ethane_ethene_and_ethyne_differ() {
+    let mut ethane = methyl_at_left(1.53);
+    ethane.push(("C", [0.0; 3]));
+    ethane.extend(methyl([0.0; 3], -DVec3::X));
+    assert_multiple(&ethane, &[]);
+    let mut ethene: Vec<Site> = vec![("C", [0.0; 3]), ("C", [1.33, 0.0, 0.0])];
+    ethene.extend([121.5, -121.5].map(|angle| ("H", beside([0.0; 3], 1.09, angle))));
+    ethene.extend([58.5, -58.5].map(|angle| ("H", beside([1.33, 0.0, 0.0], 1.09, angle))));
+    assert_multiple(&ethene, &["C=C"]);
+    let ethyne = [("C", [0.0; 3]), ("C", [1.2, 0.0, 0.0]), ("H", [-1.06, 0.0, 0.0]), ("H", [2.26, 0.0, 0.0])];
+    assert_multiple(&ethyne, &["C#C"]);
+}
+
+#[test]
+fn benzene_is_aromatic_in_a_kekule_form() {
+    assert_multiple(&benzene(), &["C~C"; 6]);
+    let bonds = find(&structure(&benzene()), 0, &BondOptions::default());
+    assert_eq!(bonds.iter().filter(|bond| bond.order == BondOrder::Double).count(), 3);
+}
+
+#[test]
+fn cyclohexane_is_not() {
+    let chair: Vec<Site> = (0..6)
+        .map(|i| {
+            let [x, y, _] = beside([0.0; 3], 1.45, 60.0 * f64::from(i));
+            ("C", [x, y, if i % 2 == 0 { 0.25 } else { -0.25 }])
+        })
+        .collect();
+    assert_eq!(multiple(&structure(&chair)), [""; 0]);
+}
+
+#[test]
+fn acetic_acid_and_acetate_have_one_carbonyl() {
+    let mut acid = methyl_at_left(1.5);
+    acid.extend([("C", [0.0; 3]), ("O", beside([0.0; 3], 1.21, 55.0)), ("O", beside([0.0; 3], 1.34, -57.0))]);
+    let hydrogen = beside(beside([0.0; 3], 1.34, -57.0), 0.97, 17.0);
+    acid.push(("H", hydrogen));
+    assert_multiple(&acid, &["C=O"]);
+    assert_eq!(charges_of(&acid), [""; 0]);
+    let mut acetate = methyl_at_left(1.52);
+    acetate.extend([("C", [0.0; 3]), ("O", beside([0.0; 3], 1.25, 62.0)), ("O", beside([0.0; 3], 1.25, -62.0))]);
+    assert_multiple(&acetate, &["C=O"]);
+    assert_eq!(charges_of(&acetate), ["O-1"]);
+    assert_eq!(charges_of(&without_hydrogens(&acetate)), [""; 0]);
+}
+
+#[test]
+fn amide_nitrile_and_ammonium() {
+    let mut amide = methyl_at_left(1.51);
+    let nitrogen = beside([0.0; 3], 1.34, -64.0);
+    amide.extend([("C", [0.0; 3]), ("O", beside([0.0; 3], 1.23, 58.0)), ("N", nitrogen)]);
+    amide.extend([("H", beside(nitrogen, 1.01, -4.0)), ("H", beside(nitrogen, 1.01, -124.0))]);
+    assert_multiple(&amide, &["C=O"]);
+    let mut nitrile = methyl_at_left(1.46);
+    nitrile.extend([("C", [0.0; 3]), ("N", [1.16, 0.0, 0.0])]);
+    assert_multiple(&nitrile, &["C#N"]);
+    let mut ammonium = methyl_at_left(1.49);
+    ammonium.push(("N", [0.0; 3]));
+    ammonium.extend(methyl([0.0; 3], -DVec3::X));
+    assert_multiple(&ammonium, &[]);
+    assert_eq!(charges_of(&ammonium), ["N+1"]);
+}
+
+#[test]
+fn nitro_is_charge_separated_with_and_without_hydrogens() {
+    let mut nitro = methyl_at_left(1.49);
+    nitro.extend([("N", [0.0; 3]), ("O", beside([0.0; 3], 1.22, 58.0)), ("O", beside([0.0; 3], 1.22, -58.0))]);
+    assert_multiple(&nitro, &["N=O"]);
+    assert_eq!(charges_of(&nitro), ["N+1", "O-1"]);
+    assert_eq!(charges_of(&without_hydrogens(&nitro)), ["N+1", "O-1"]);
+}
+
+#[test]
+fn azide_and_isocyanide() {
+    let mut azide = methyl_at_left(1.47);
+    let middle = beside([0.0; 3], 1.24, 62.0);
+    azide.extend([("N", [0.0; 3]), ("N", middle), ("N", beside(middle, 1.13, 68.0))]);
+    assert_multiple(&azide, &["N=N", "N=N"]);
+    assert_eq!(charges_of(&azide), ["N+1", "N-1"]);
+    let mut isocyanide = methyl_at_left(1.42);
+    isocyanide.extend([("N", [0.0; 3]), ("C", [1.17, 0.0, 0.0])]);
+    assert_eq!(multiple(&structure(&isocyanide)), ["C#N"]);
+    assert_eq!(charges_of(&isocyanide), ["C-1", "N+1"]);
+}
+
+#[test]
+fn sulfone_sulfoxide_thioether_and_sulfonium() {
+    let tetrahedral = |length: f64, corner: usize| {
+        let corner = [[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0]][corner];
+        corner.map(|along| along * length / 3f64.sqrt())
+    };
+    let around_sulfur = |methyls: &[usize], oxygens: &[usize]| {
+        let mut sites: Vec<Site> = vec![("S", [0.0; 3])];
+        for &corner in methyls {
+            let carbon = tetrahedral(1.79, corner);
+            sites.push(("C", carbon));
+            sites.extend(methyl(carbon, -DVec3::from(carbon)));
+        }
+        sites.extend(oxygens.iter().map(|&corner| ("O", tetrahedral(1.46, corner))));
+        sites
+    };
+    assert_multiple(&around_sulfur(&[0, 1], &[2, 3]), &["O=S", "O=S"]);
+    assert_multiple(&around_sulfur(&[0, 1], &[2]), &["O=S"]);
+    assert_multiple(&around_sulfur(&[0, 1], &[]), &[]);
+    let sulfonium = around_sulfur(&[0, 1, 2], &[]);
+    assert_multiple(&sulfonium, &[]);
+    assert_eq!(charges_of(&sulfonium), ["S+1"]);
+}
+
+#[test]
+fn phosphate_has_one_double_bond() {
+    let corners = [[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0]];
+    let mut sites: Vec<Site> = vec![("P", [0.0; 3])];
+    for (corner, length) in corners.into_iter().zip([1.6, 1.51, 1.51, 1.51]) {
+        sites.push(("O", corner.map(|along| along * length / 3f64.sqrt())));
+    }
+    let oxygen = DVec3::from(sites[1].1);
+    let carbon = (oxygen + DVec3::new(1.3, -0.3, 0.5).normalize() * 1.43).to_array();
+    sites.push(("C", carbon));
+    sites.extend(methyl(carbon, oxygen - DVec3::from(carbon)));
+    assert_multiple(&sites, &["O=P"]);
+    assert_eq!(charges_of(&sites), ["O-1", "O-1"]);
+}
+
+#[test]
+fn guanidinium_has_one_double_bond_and_one_charge() {
+    let mut sites: Vec<Site> = vec![("C", [0.0; 3])];
+    for angle in [0.0, 120.0, 240.0] {
+        let nitrogen = beside([0.0; 3], 1.33, angle);
+        sites.push(("N", nitrogen));
+        sites.extend([60.0, -60.0].map(|turn| ("H", beside(nitrogen, 1.01, angle + turn))));
+    }
+    assert_eq!(multiple(&structure(&sites)), ["C=N"]);
+    assert_eq!(charges_of(&sites), ["N+1"]);
+}
+
+#[test]
+fn pyridine_pyrrole_furan_and_thiophene_are_aromatic() {
+    let mut pyridine = ring(&["N", "C", "C", "C", "C", "C"], 1.38);
+    pyridine.extend(ring(&["H"; 6], 2.46).into_iter().skip(1));
+    assert_multiple(&pyridine, &["C~C", "C~C", "C~C", "C~C", "C~N", "C~N"]);
+    // C–C 1.37 and 1.42 Å, the fifth atom on the x axis: bonds of 1.37, 1.36 and 1.71 Å.
+    for (symbol, x, has_hydrogen) in [("N", 1.12, true), ("O", 1.08, false), ("S", 1.54, false)] {
+        let half = if symbol == "S" { 1.235 } else { 1.105 };
+        let (near, far) = if symbol == "S" { (0.36, -0.95) } else { (0.32, -1.0) };
+        let mut sites: Vec<Site> = vec![
+            (symbol, [x, 0.0, 0.0]),
+            ("C", [near, half, 0.0]),
+            ("C", [far, 0.71, 0.0]),
+            ("C", [far, -0.71, 0.0]),
+            ("C", [near, -half, 0.0]),
+        ];
+        sites.extend([("H", [0.75, 2.09, 0.0]), ("H", [-1.83, 1.4, 0.0])]);
+        sites.extend([("H", [-1.83, -1.4, 0.0]), ("H", [0.75, -2.09, 0.0])]);
+        if has_hydrogen {
+            sites.push(("H", [2.13, 0.0, 0.0]));
+        }
+        let hetero = format!("C~{symbol}");
+        let mut expected = vec!["C~C", "C~C", "C~C", &hetero, &hetero];
+        expected.sort_unstable();
+        assert_multiple(&sites, &expected);
+    }
+}
+
+#[test]
+fn carbon_dioxide_and_dinitrogen_need_no_hydrogens() {
+    let dioxide = [("C", [0.0; 3]), ("O", [1.16, 0.0, 0.0]), ("O", [-1.16, 0.0, 0.0])];
+    assert_eq!(multiple(&structure(&dioxide)), ["C=O", "C=O"]);
+    assert_eq!(multiple(&structure(&[("N", [0.0; 3]), ("N", [1.098, 0.0, 0.0])])), ["N#N"]);
+    let monoxide = [("C", [0.0; 3]), ("O", [1.128, 0.0, 0.0])];
+    assert_eq!(multiple(&structure(&monoxide)), ["C#O"]);
+    assert_eq!(charges_of(&monoxide), ["C-1", "O+1"]);
+}
+
+#[test]
+fn cyclopentadienide_on_a_metal_is_aromatic() {
+    let mut sites: Vec<Site> = vec![("Fe", [0.0; 3])];
+    for height in [1.66, -1.66] {
+        sites.extend(ring(&["C"; 5], 1.21).into_iter().map(|(symbol, [x, y, _])| (symbol, [x, y, height])));
+        sites.extend(ring(&["H"; 5], 2.29).into_iter().map(|(symbol, [x, y, _])| (symbol, [x, y, height])));
+    }
+    assert_eq!(multiple(&structure(&sites)), ["C~C"; 10]);
+    assert_eq!(charges_of(&sites), ["C-1", "C-1"]);
+}
+
+#[test]
+fn order_and_place_of_atoms_do_not_matter() {
+    let mut molecule = methyl_at_left(1.51);
+    let nitrogen = beside([0.0; 3], 1.34, -64.0);
+    molecule.extend([("C", [0.0; 3]), ("O", beside([0.0; 3], 1.23, 58.0)), ("N", nitrogen)]);
+    molecule.extend([("H", beside(nitrogen, 1.01, -4.0)), ("H", beside(nitrogen, 1.01, -124.0))]);
+    let mut seed = 7u64;
+    for _ in 0..50 {
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 33) as f64 / (1u64 << 31) as f64
+        };
+        let rotation = DMat3::from_euler(glam::EulerRot::XYZ, random() * 6.0, random() * 6.0, random() * 6.0);
+        let shift = DVec3::new(random(), random(), random()) * 100.0;
+        let mut moved: Vec<Site> =
+            molecule.iter().map(|&(symbol, at)| (symbol, (rotation * DVec3::from(at) + shift).to_array())).collect();
+        for i in (1..moved.len()).rev() {
+            moved.swap(i, (random() * (i + 1) as f64) as usize);
+        }
+        assert_multiple(&moved, &["C=O"]);
+    }
+}
+
+#[test]
+fn a_partial_list_of_single_bonds_is_open_and_one_with_a_double_bond_is_not() {
+    let with_list = |orders: [BondOrder; 2]| {
+        let sites = [("O", [1.16, 0.0, 0.0]), ("C", [0.0; 3]), ("O", [-1.16, 0.0, 0.0])];
+        let mut builder = StructureBuilder::new();
+        for (symbol, position) in sites {
+            let element = Element::from_symbol(symbol).unwrap_or_default();
+            builder.push_atom(&AtomRecord { element, position: DVec3::from(position), ..AtomRecord::default() });
+        }
+        builder.push_bond(Bond::new(0, 1, orders[0], BondSource::File));
+        builder.push_bond(Bond::new(1, 2, orders[1], BondSource::File));
+        builder.set_stated_bonds(StatedBonds::Partial);
+        builder.build(&mut Diagnostics::default())
+    };
+    let orders = |structure: &Structure| -> Vec<BondOrder> {
+        find(structure, 0, &BondOptions::default()).iter().map(|bond| bond.order).collect()
+    };
+    assert_eq!(orders(&with_list([BondOrder::Single; 2])), [BondOrder::Double; 2]);
+    let stated = [BondOrder::Double, BondOrder::Single];
+    assert_eq!(orders(&with_list(stated)), stated);
+    let options = BondOptions { mode: BondMode::Perceive, ..BondOptions::default() };
+    assert_eq!(find(&with_list(stated), 0, &options).iter().filter(|bond| bond.order == BondOrder::Double).count(), 2);
+}
+
+/// A patch of a honeycomb, `edge` × `edge` cells.
+fn graphene(edge: usize) -> Vec<Site> {
+    let length = 1.42;
+    let row = 3f64.sqrt() * length;
+    let cells = (0..edge * edge).map(|i| (i / edge, i % edge));
+    cells
+        .flat_map(|(i, j)| {
+            let (x, y) = (1.5 * length * i as f64, row * (j as f64 + if i % 2 == 1 { 0.5 } else { 0.0 }));
+            [("C", [x, y, 0.0]), ("C", [x + length, y, 0.0])]
+        })
+        .collect()
+}
+
+#[test]
+fn sheets_of_thousands_of_atoms_are_solved_and_nearly_all_atoms_have_their_double_bond() {
+    let sheet = structure(&graphene(40));
+    let bonds = find(&sheet, 0, &BondOptions::default());
+    let double = bonds.iter().filter(|bond| bond.order == BondOrder::Double).count();
+    assert!(double * 2 > sheet.atom_count() * 96 / 100, "{double} of {}", sheet.atom_count() / 2);
+    assert!(double * 2 <= sheet.atom_count());
+    let mut doubles = vec![0; sheet.atom_count()];
+    for bond in bonds.iter().filter(|bond| bond.order == BondOrder::Double) {
+        doubles[bond.a as usize] += 1;
+        doubles[bond.b as usize] += 1;
+    }
+    assert!(doubles.iter().all(|&count| count <= 1));
+}
+
+#[test]
+fn atoms_in_a_heap_are_no_reason_to_hang() {
+    let mut seed = 3u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) as f64 / (1u64 << 31) as f64
+    };
+    let symbols = ["C", "N", "O", "S", "P", "C", "C", "Si"];
+    let heap: Vec<Site> =
+        (0..3000).map(|i| (symbols[i % 8], [random() * 25.0, random() * 25.0, random() * 25.0])).collect();
+    let bonds = find(&structure(&heap), 0, &BondOptions::default());
+    assert!(bonds.iter().all(|bond| bond.order != BondOrder::Unknown));
+}
