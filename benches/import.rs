@@ -12,11 +12,13 @@ use std::hint::black_box;
 type Writer = (&'static str, fn(usize) -> String);
 
 fn import(c: &mut Criterion) {
-    let formats: [Writer; 5] = [
+    let formats: [Writer; 7] = [
         ("pdb", common::pdb),
         ("cif", common::cif),
         ("xyz", common::xyz),
         ("sdf", common::sdf),
+        ("sdf-v3000", common::v3000),
+        ("mol2", common::mol2),
         ("json", common::json),
     ];
     let options = ImportOptions::default();

@@ -168,6 +168,40 @@ pub(crate) fn sdf(count: usize) -> String {
     text
 }
 
+/// The atoms as one V3000 record, the chain as its bonds.
+pub(crate) fn v3000(count: usize) -> String {
+    let mut text = String::from("chain\n  bench\n\n  0  0  0     0  0            999 V3000\nM  V30 BEGIN CTAB\n");
+    let _ = writeln!(text, "M  V30 COUNTS {count} {} 0 0 0\nM  V30 BEGIN ATOM", count - 1);
+    for (n, (symbol, p)) in atoms(count).into_iter().enumerate() {
+        let _ = writeln!(text, "M  V30 {} {symbol} {:.4} {:.4} {:.4} 0", n + 1, p.x, p.y, p.z);
+    }
+    text.push_str("M  V30 END ATOM\nM  V30 BEGIN BOND\n");
+    for n in 1..count {
+        let _ = writeln!(text, "M  V30 {n} 1 {n} {}", n + 1);
+    }
+    text.push_str("M  V30 END BOND\nM  V30 END CTAB\nM  END\n$$$$\n");
+    text
+}
+
+/// The atoms as one MOL2 molecule with residues and charges, the chain as its bonds.
+pub(crate) fn mol2(count: usize) -> String {
+    let mut text =
+        format!("@<TRIPOS>MOLECULE\nchain\n{count} {} 0\nPROTEIN\nUSER_CHARGES\n\n@<TRIPOS>ATOM\n", count - 1);
+    for (n, (symbol, p)) in atoms(count).into_iter().enumerate() {
+        let (atom, substructure, residue) = (n + 1, n / RESIDUE + 1, residue(n));
+        let _ = writeln!(
+            text,
+            "{atom:7} {symbol:<4} {:10.4} {:10.4} {:10.4} {symbol}.3 {substructure:6} UNL{residue} -0.1250",
+            p.x, p.y, p.z
+        );
+    }
+    text.push_str("@<TRIPOS>BOND\n");
+    for n in 1..count {
+        let _ = writeln!(text, "{n:7} {n:7} {:7} 1", n + 1);
+    }
+    text
+}
+
 /// The atoms as our own JSON list, the chain as its bonds.
 pub(crate) fn json(count: usize) -> String {
     let mut text = String::from("{\"atoms\":[");

@@ -223,6 +223,9 @@ pub struct ConvertArgs {
     /// Format, where the name of OUT does not say: json, cjson, mmcif, mol2, pdb, sdf, sdf-v3000, xyz, extxyz
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<String>,
+    /// Format of IN, where neither its content nor its name tells
+    #[arg(long, value_name = "FORMAT")]
+    pub from: Option<String>,
     /// Bonds.
     #[command(flatten)]
     pub bonds: BondArgs,

@@ -1,11 +1,12 @@
 //! `ballstick convert`: a structure in another format.
 
 use super::args::ConvertArgs;
-use super::load::{pick, read, with_bonds};
+use super::load::{pick, read_as, with_bonds};
 use super::report::Report;
 use crate::error::Result;
 use crate::export::atomic;
 use crate::export::formats::StructureFormat;
+use crate::import::Format;
 use crate::structure::Structure;
 
 /// An error is one of usage.
@@ -16,16 +17,23 @@ pub(super) fn run(args: &ConvertArgs, report: &mut Report) -> Result<(), String>
         None => StructureFormat::from_path(&args.output),
     };
     let format = format.map_err(|error| error.to_string())?;
+    let from = match &args.from {
+        None => None,
+        Some(name) => Some(Format::from_name(name).ok_or_else(|| {
+            let names: Vec<&str> = Format::ALL.iter().map(|format| format.name()).collect();
+            format!("--from {name} is no format that is read; they are {}", names.join(", "))
+        })?),
+    };
     report.start(1);
-    match super::guarded(|| convert(args, format, report)) {
+    match super::guarded(|| convert(args, from, format, report)) {
         Err(error) if !atomic::is_broken_pipe(&error) => report.fail(&args.input, &error),
         _ => {}
     }
     Ok(())
 }
 
-fn convert(args: &ConvertArgs, format: &StructureFormat, report: &Report) -> Result<()> {
-    let mut records: Vec<Structure> = pick(read(&args.input, report)?, &args.select)?;
+fn convert(args: &ConvertArgs, from: Option<Format>, format: &StructureFormat, report: &Report) -> Result<()> {
+    let mut records: Vec<Structure> = pick(read_as(&args.input, from, report)?, &args.select)?;
     if format.holds_bonds() {
         // Those that are not written need none.
         let written = if format.all_frames { records.len() } else { 1 };

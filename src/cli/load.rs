@@ -5,7 +5,7 @@ use super::report::Report;
 use super::values::RecordChoice;
 use crate::bonds::{self, BondMode, BondOptions};
 use crate::error::{Error, Result};
-use crate::import::{self, Document, ImportOptions};
+use crate::import::{self, Document, Format, ImportOptions};
 use crate::structure::{Bond, BondKind, Structure};
 use std::path::Path;
 use std::time::Instant;
@@ -19,7 +19,12 @@ pub(super) struct LoadSeconds {
 
 /// Reads a file and says what its reader noticed.
 pub(super) fn read(path: &Path, report: &Report) -> Result<Document> {
-    let document = import::read_path(path, &ImportOptions::default())?;
+    read_as(path, None, report)
+}
+
+/// The same for a file of which the format is said.
+pub(super) fn read_as(path: &Path, format: Option<Format>, report: &Report) -> Result<Document> {
+    let document = import::read_path(path, &ImportOptions { format, ..ImportOptions::default() })?;
     for diagnostic in &document.diagnostics {
         report.diagnostic(path, diagnostic);
     }

@@ -297,8 +297,11 @@ impl StructureFormat {
         let one_frame = !self.all_frames && !self.holds.contains(&Part::Frames);
         let unsaid =
             |part: &Part| *part == Part::Frames || (one_frame && matches!(part, Part::FrameTitles | Part::FrameCells));
+        // A file that has one title has no place for those of further records.
+        let other_titles = written.iter().any(|record| title(record) != title(&written[0]));
         let lost = |part: &Part| {
-            !self.holds.contains(part) && !unsaid(part) && written.iter().any(|record| part.is_in(record))
+            let found = written.iter().any(|record| part.is_in(record)) || *part == Part::FrameTitles && other_titles;
+            found && !self.holds.contains(part) && !unsaid(part)
         };
         let mut names: Vec<&str> = Part::ALL.iter().filter(|part| lost(part)).map(|part| part.name()).collect();
         names.dedup();
@@ -344,7 +347,8 @@ mod tests {
     #[test]
     fn nothing_lost_says_nothing() {
         let mut builder = StructureBuilder::new();
-        builder.push_atom(&AtomRecord { element: Element::H, isotope: 2, ..AtomRecord::default() });
+        builder.set_decimals(3);
+        builder.push_atom(&AtomRecord { element: Element::H, ..AtomRecord::default() });
         let record = builder.build(&mut Diagnostics::default());
         for format in FORMATS {
             assert!(format.losses(std::slice::from_ref(&record)).is_empty(), "{}", format.name);

@@ -7,16 +7,19 @@
 //!   that of the Kekulé form, or one where none is known.
 //! - Each frame is a MODEL, as is each record where there are more; a record's CONECT stands inside its MODEL then. CRYST1
 //!   is repeated where the cell changes.
-//! - Atoms without a name get their element and a number, atoms without residue are `UNL 1` and HETATM.
+//! - Atoms without a name get their element and a number, atoms without residue are HETATM of `UNL` with the record's
+//!   number.
 //! - Chain names of more than one character get a character that is free; names too long are cut.
 //!
 //! Positions have three decimals; one that does not fit its eight columns is an error.
 
 use super::formats::{Part, StructureFormat};
 use super::text::symbol_with_isotope;
-use super::text::{AtomNames, Position, fits_decimals, invalid, is_standard, one_line, parameters, plain_bonds};
+use super::text::{
+    AtomNames, Position, fits_decimals, invalid, is_standard, metals, one_line, parameters, plain_bonds,
+};
 use crate::element::Element;
-use crate::structure::{Bond, Cell, Frame, Residue, Structure, atom_flags};
+use crate::structure::{Bond, BondKind, BondOrder, Cell, Frame, Residue, Structure, atom_flags};
 use std::collections::{HashMap, HashSet};
 use std::io::{self, Write};
 
@@ -58,7 +61,9 @@ fn limits(structure: &Structure) -> Vec<&'static str> {
         let (lengths, angles) = parameters(cell);
         !lengths.iter().all(|&x| fits_decimals(x, 3)) || !angles.iter().all(|&x| fits_decimals(x, 2))
     };
-    let fine = |value: f32| !fits_decimals(f64::from(value), 2) && (f64::from(value) * 100.0).fract().abs() > 1e-4;
+    let fine = |value: f32| ((f64::from(value) * 100.0).round() / 100.0) as f32 != value;
+    let no_order = |bond: &Bond| bond.kind == BondKind::Covalent && bond.order == BondOrder::Unknown;
+    let to_metal = |bond: &Bond| bond.kind == BondKind::Covalent && metals(structure, bond) == 1;
     let found = [
         (
             structure.frames().iter().any(|frame| frame.positions.decimals() > 3),
@@ -70,6 +75,11 @@ fn limits(structure: &Structure) -> Vec<&'static str> {
         (has_repeated_serials(structure), "serial numbers that two atoms share (counted anew)"),
         (any(&|i| structure.formal_charge(i).unsigned_abs() > 9), "charges of more than nine (left out)"),
         (any(&|i| fine(structure.occupancy(i)) || fine(structure.b_factor(i))), "digits of occupancies or B factors"),
+        (plain_bonds(structure).any(no_order), "bonds of unknown order (read back as single)"),
+        (
+            plain_bonds(structure).any(to_metal),
+            "covalent bonds to metals (CONECT does not tell them from coordination)",
+        ),
         (cells().any(rounded), "digits of the cell"),
         (cells().any(|cell| !is_standard(cell)), "the orientation of the cell"),
     ];
@@ -89,8 +99,8 @@ pub fn write(records: &[Structure], out: &mut dyn Write) -> io::Result<()> {
     let models: usize = records.iter().map(|record| record.frames().len()).sum();
     let mut number = 0usize;
     let mut cell: Option<Option<&Cell>> = None;
-    for structure in records {
-        let atoms = Atoms::new(structure);
+    for (record, structure) in records.iter().enumerate() {
+        let atoms = Atoms::new(structure, record);
         for (index, frame) in structure.frames().iter().enumerate() {
             // Without any cell there is no CRYST1; behind one, the unit cell of 1 Å says that there is none any more.
             if cell.map_or(frame.cell.is_some(), |cell| cell != frame.cell.as_ref()) {
@@ -283,15 +293,18 @@ fn value_in_columns(value: f32, width: usize, decimals: usize) -> String {
 struct Atoms<'a> {
     structure: &'a Structure,
     chains: Vec<u8>,
-    /// Columns 1 to 30 and 55 to 80 of each atom would be the same for all frames; only the serials are kept.
+    /// Number of the residue of atoms that have none: by record, or molecules of the same atoms would pass for models of one.
+    nameless_number: i32,
+    /// Serials are counted, not the structure's.
     counted: bool,
 }
 
 impl<'a> Atoms<'a> {
-    fn new(structure: &'a Structure) -> Atoms<'a> {
+    fn new(structure: &'a Structure, record: usize) -> Atoms<'a> {
         let names = ChainNames::new(structure);
         let chains = structure.chains().map(|chain| names.of(chain)).collect();
-        Atoms { structure, chains, counted: has_repeated_serials(structure) }
+        let nameless_number = i32::try_from(record % 9999 + 1).unwrap_or(1);
+        Atoms { structure, chains, nameless_number, counted: has_repeated_serials(structure) }
     }
 
     fn serial(&self, atom: usize) -> io::Result<String> {
@@ -322,7 +335,8 @@ impl<'a> Atoms<'a> {
                 polymer = residue.map(|residue| residue.chain);
             }
             let record = if hetero { "HETATM" } else { "ATOM  " };
-            let (number, code) = residue.map_or((1, b' '), |residue| (residue.number, residue.insertion_code));
+            let (number, code) =
+                residue.map_or((self.nameless_number, b' '), |residue| (residue.number, residue.insertion_code));
             let number = number_in_columns(number, 4)
                 .ok_or_else(|| invalid(format!("residue number {number} does not fit the four columns PDB has")))?;
             let chain = residue.and_then(|r| self.chains.get(r.chain as usize)).copied().unwrap_or(b' ');
@@ -427,9 +441,7 @@ fn is_standard_residue(residue: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::structure::{
-        AtomRecord, BondOrder, BondSource, Diagnostics, SecondaryElement, StructureBuilder, Symmetry,
-    };
+    use crate::structure::{AtomRecord, BondSource, Diagnostics, SecondaryElement, StructureBuilder, Symmetry};
     use glam::DVec3;
 
     fn text(records: &[Structure]) -> String {

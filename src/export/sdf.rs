@@ -103,7 +103,7 @@ fn bonds(structure: &Structure) -> impl Iterator<Item = (usize, &Bond)> {
 
 fn fits_v2000(structure: &Structure, frame: &Frame) -> bool {
     let positions = &frame.positions;
-    let fits = |x: f64| !x.is_finite() || (-9999.999_95..99_999.999_95).contains(&x);
+    let fits = |x: f64| !x.is_finite() || (-9_999.999_95..99_999.999_95).contains(&x);
     structure.atom_count() <= 999
         && bonds(structure).count() <= 999
         && (0..positions.len()).all(|atom| positions.get(atom).to_array().into_iter().all(fits))

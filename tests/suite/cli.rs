@@ -203,6 +203,41 @@ fn json_converts_back_to_the_same_molecule() {
 }
 
 #[test]
+fn convert_writes_every_format_from_standard_input() {
+    let case = Case::new(&[]);
+    for name in ["a.sdf", "a.mol", "a.mol2", "a.pdb", "a.ent", "a.cjson", "a.extxyz", "a.xyz", "a.json"] {
+        case.run_with_input(&["convert", "-", name], WATER).status(0);
+        let info = case.run(&["info", "--json", name]).status(0);
+        let object = &info.objects()[0];
+        assert_eq!((&object["atoms"], &object["bonds"]), (&3.into(), &2.into()), "{name}");
+    }
+    let v3000 = case.run_with_input(&["convert", "-", "-", "--to", "sdf-v3000"], WATER).status(0);
+    assert!(v3000.out().contains("M  V30 COUNTS 3 2 0 0 0"), "{}", v3000.out());
+}
+
+#[test]
+fn convert_takes_records_and_the_format_of_its_input() {
+    let case = Case::new(&[("two.xyz", "1\na\nHe 0 0 0\n1\nb\nNe 0 0 0\n")]);
+    case.run(&["convert", "two.xyz", "all.sdf"]).status(0);
+    case.run(&["convert", "two.xyz", "same.sdf", "--record", "all"]).status(0);
+    assert_eq!(case.read("all.sdf"), case.read("same.sdf"));
+    let molecules = case.run(&["convert", "all.sdf", "-", "--to", "mol2", "--from", "sdf"]).status(0);
+    assert_eq!(molecules.out().matches("@<TRIPOS>MOLECULE").count(), 2);
+    let second = case.run(&["convert", "all.sdf", "-", "--to", "xyz", "--record", "2"]).status(0);
+    assert!(second.out().starts_with("1\nb\nNe "), "{}", second.out());
+    case.run(&["convert", "all.sdf", "x.pdb", "--from", "docx"]).status(2).says("docx").says("mol2");
+}
+
+#[test]
+fn what_does_not_fit_a_format_is_an_error_that_leaves_nothing() {
+    let case = Case::new(&[("far.xyz", "1\n\nC 123456.5 0 0\n")]);
+    case.run(&["convert", "far.xyz", "far.pdb"]).status(1).says("atom 1").says("does not fit");
+    assert!(!case.path("far.pdb").exists());
+    case.run(&["convert", "far.xyz", "far.sdf"]).status(0);
+    assert!(case.read("far.sdf").contains("V3000"));
+}
+
+#[test]
 fn convert_keeps_all_frames_or_says_that_it_does_not() {
     let case = Case::new(&[("two.xyz", TWO_FRAMES)]);
     case.run(&["convert", "two.xyz", "all.xyz"]).status(0);
@@ -290,7 +325,7 @@ fn wrong_command_lines_end_with_2_and_write_nothing() {
 fn unknown_extensions_are_named_with_the_known_ones() {
     let case = Case::new(&[("water.xyz", WATER)]);
     case.run(&["render", "water.xyz", "-o", "a.tiff"]).status(2).says(".tiff").says(".webp");
-    case.run(&["convert", "water.xyz", "a.docx"]).status(2).says("docx").says("json, xyz");
+    case.run(&["convert", "water.xyz", "a.docx"]).status(2).says("docx").says("json, cjson");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Tripos MOL2 files.
 //!
 //! Every frame of every record becomes a molecule. SYBYL types follow from elements, bonds and aromaticity (see `types`);
-//! a bond of unknown order that is not aromatic is `un`, coordination too, aromatic ones are `ar` whatever their Kekulé order.
+//! a bond of unknown order that is not aromatic is `un` (`du` with a metal), coordination `un`, aromatic ones are `ar` whatever their Kekulé order.
 //! Residues are substructures (name and number in one, the name again in the section, with the chain); formal charges
 //! stand in UNITY_ATOM_ATTR; the cell as CRYSIN, without its space group.
 //! Atoms without a name get their element and a number; a residue without a name is `UNL`.
@@ -11,7 +11,6 @@ mod types;
 use super::formats::{Part, StructureFormat};
 use super::text::{AtomNames, Position, frame_title, is_standard, metals, parameters, plain_bonds};
 use crate::structure::{BondKind, BondOrder, Frame, Structure};
-use std::collections::HashSet;
 use std::io::{self, Write};
 use types::Types;
 
@@ -30,7 +29,6 @@ pub static FORMAT: StructureFormat = StructureFormat {
         Part::Cell,
         Part::FrameCells,
         Part::AtomNames,
-        Part::Serials,
         Part::Residues,
         Part::Particles,
         Part::FormalCharges,
@@ -44,16 +42,10 @@ fn limits(structure: &Structure) -> Vec<&'static str> {
     let cells = || structure.frames().iter().filter_map(|frame| frame.cell.as_ref());
     let between = |bond: &crate::structure::Bond| bond.kind == BondKind::Coordination && metals(structure, bond) != 1;
     let found = [
-        (has_odd_serials(structure), "serial numbers that two atoms share (counted anew)"),
         (cells().any(|cell| !is_standard(cell)), "the orientation of the cell"),
         (plain_bonds(structure).any(between), "coordination other than of a metal and a donor"),
     ];
     found.into_iter().filter(|(found, _)| *found).map(|(_, phrase)| phrase).collect()
-}
-
-fn has_odd_serials(structure: &Structure) -> bool {
-    let mut seen = HashSet::new();
-    Part::Serials.is_in(structure) && (0..structure.atom_count()).any(|atom| !seen.insert(structure.serial(atom)))
 }
 
 /// Writes all frames of all records.
@@ -82,8 +74,8 @@ fn write_molecule(structure: &Structure, frame: &Frame, types: &Types, out: &mut
     writeln!(out, "{}\n", if charged { "USER_CHARGES" } else { "NO_CHARGES" })?;
 
     writeln!(out, "@<TRIPOS>ATOM")?;
-    let counted = has_odd_serials(structure);
-    let id = |atom: usize| if counted { atom as i64 + 1 } else { i64::from(structure.serial(atom)) };
+    // The format lets them be any numbers, but not every reader does: RDKit takes them for 1, 2, 3, ….
+    let id = |atom: usize| atom + 1;
     let mut names = AtomNames::new(structure);
     for (atom, kind) in types.names().iter().enumerate() {
         let [x, y, z] = Position::new(&frame.positions, atom)?.numbers(4);
@@ -110,6 +102,8 @@ fn write_molecule(structure: &Structure, frame: &Frame, types: &Types, out: &mut
             (_, BondOrder::Double) => "2",
             (_, BondOrder::Triple) => "3",
             (_, BondOrder::Quadruple) => "4",
+            // `un` with a metal would be coordination.
+            (_, BondOrder::Unknown) if metals(structure, bond) == 1 => "du",
             (_, BondOrder::Unknown) => "un",
         };
         let [a, b] = [bond.a, bond.b].map(|atom| atom as usize);

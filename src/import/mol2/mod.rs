@@ -6,8 +6,9 @@
 //!
 //! - Elements come from the SYBYL type (`C.ar`, `Co.oh`), see [`atom_type`]; in a molecule whose types are those of a
 //!   force field (AMBER's `CA`, GAFF's `ca`) from the atom names.
-//! - `1` `2` `3` are orders, `am` is single, `ar` aromatic, `du` and `un` are bonds of unknown order, `nc` is no bond. A bond
-//!   to a metal that is not double or triple is coordination. The list is complete: no bond is to be added to it.
+//! - `1` `2` `3` are orders, `am` is single, `ar` aromatic (but at `O.co2` and `C.cat`, where it is one double bond shared:
+//!   the first is double, the others single), `du` and `un` are bonds of unknown order, `nc` is no bond; `un`
+//!   between a metal and another atom is coordination. The list is complete: no bond is to be added to it.
 //! - Residues are the substructures: name and number from a name such as `ALA12`, the chain from the SUBSTRUCTURE section.
 //! - Charges are partial ones, unless the molecule says NO_CHARGES; UNITY_ATOM_ATTR gives formal ones.
 //! - Status bits, sets, features, comments of atoms and the space group's setting are not kept.

@@ -13,7 +13,7 @@ use crate::structure::{
 };
 use glam::DVec3;
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Reads the molecule whose first line is the next one.
 pub(super) fn read(lines: &mut Peekable<'_>, records: &Records, diagnostics: &mut Diagnostics) -> Result<Structure> {
@@ -27,16 +27,84 @@ pub(super) fn read(lines: &mut Peekable<'_>, records: &Records, diagnostics: &mu
     outcome
 }
 
+/// Identifier and name of the substructure of an atom.
+type Substructured<'a> = (i64, Cow<'a, [u8]>);
+
 /// An atom line.
 struct Atom<'a> {
     id: i64,
     name: Cow<'a, [u8]>,
     position: DVec3,
     kind: Cow<'a, [u8]>,
-    /// Identifier and name of its substructure.
-    substructure: Option<(i64, Cow<'a, [u8]>)>,
+    substructure: Option<Substructured<'a>>,
     charge: Option<f32>,
     line: u64,
+}
+
+/// A bond line.
+struct BondLine {
+    atoms: [i64; 2],
+    kind: BondType,
+    line: u64,
+}
+
+/// The bond types of the format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum BondType {
+    Order(BondOrder),
+    Aromatic,
+    Dummy,
+    Unknown,
+    NotConnected,
+}
+
+impl BondType {
+    fn read(text: &[u8]) -> Option<BondType> {
+        const TYPES: [(&[u8], BondType); 9] = [
+            (b"1", BondType::Order(BondOrder::Single)),
+            (b"2", BondType::Order(BondOrder::Double)),
+            (b"3", BondType::Order(BondOrder::Triple)),
+            // No type of the format, but programs write it.
+            (b"4", BondType::Order(BondOrder::Quadruple)),
+            (b"am", BondType::Order(BondOrder::Single)),
+            (b"ar", BondType::Aromatic),
+            (b"du", BondType::Dummy),
+            (b"un", BondType::Unknown),
+            (b"nc", BondType::NotConnected),
+        ];
+        TYPES.iter().find(|(name, _)| name.eq_ignore_ascii_case(text)).map(|(_, kind)| *kind)
+    }
+}
+
+/// Which atom has which number.
+struct Indices {
+    /// The numbers are 1, 2, 3, … to this one, as in almost all files.
+    counted: Option<i64>,
+    by_number: HashMap<i64, u32>,
+}
+
+impl Indices {
+    /// The error is a number that two atoms have.
+    fn of(atoms: &[Atom<'_>]) -> Result<Indices> {
+        let counted = atoms.iter().zip(1..).all(|(atom, number)| atom.id == number);
+        let mut by_number = HashMap::new();
+        if !counted {
+            for (atom, index) in atoms.iter().zip(0..) {
+                if by_number.insert(atom.id, index).is_some() {
+                    return Err(Error::input(atom.line, format!("two atoms have the number {}", atom.id)));
+                }
+            }
+        }
+        Ok(Indices { counted: counted.then(|| i64::try_from(atoms.len()).unwrap_or(i64::MAX)), by_number })
+    }
+
+    fn get(&self, number: i64) -> Option<u32> {
+        match self.counted {
+            Some(count) if (1..=count).contains(&number) => u32::try_from(number - 1).ok(),
+            Some(_) => None,
+            None => self.by_number.get(&number).copied(),
+        }
+    }
 }
 
 /// What SUBSTRUCTURE says.
@@ -54,8 +122,7 @@ struct Molecule<'a> {
     counts: Option<(u64, usize, usize)>,
     no_charges: bool,
     atoms: Vec<Atom<'a>>,
-    /// Two atoms, type, line.
-    bonds: Vec<(i64, i64, Vec<u8>, u64)>,
+    bonds: Vec<BondLine>,
     substructures: HashMap<i64, Substructure>,
     formal_charges: Vec<(i64, i64, u64)>,
     cell: Option<Cell>,
@@ -145,13 +212,18 @@ impl<'a> Molecule<'a> {
             let mut words = words(line);
             let fields = (|| {
                 words.next()?;
-                Some((parse_i64(words.next()?)?, parse_i64(words.next()?)?, words.next()?.to_ascii_lowercase()))
+                Some(([parse_i64(words.next()?)?, parse_i64(words.next()?)?], words.next()?))
             })();
-            let Some((a, b, kind)) = fields else {
+            let Some((atoms, text)) = fields else {
                 let message = format!("expected a bond (number, two atoms, type), found `{}`", shown(line));
                 return Err(Error::input(number, message));
             };
-            self.bonds.push((a, b, kind, number));
+            let kind = BondType::read(text).unwrap_or_else(|| {
+                let message = || format!("bond type `{}` is not known; taken as of unknown order", shown(text));
+                self.odd.note(number, message);
+                BondType::Dummy
+            });
+            self.bonds.push(BondLine { atoms, kind, line: number });
         }
         Ok(())
     }
@@ -231,10 +303,11 @@ impl<'a> Molecule<'a> {
         builder.set_decimals(self.decimals);
         builder.set_cell(self.cell);
         builder.set_stated_bonds(StatedBonds::Complete);
-        let indices = self.push_atoms(&mut builder)?;
+        let indices = Indices::of(&self.atoms)?;
+        self.push_atoms(&mut builder);
         for &(atom, charge, line) in &self.formal_charges {
-            match (indices.get(&atom), i8::try_from(charge)) {
-                (Some(&index), Ok(charge)) => builder.set_formal_charge(index as usize, charge),
+            match (indices.get(atom), i8::try_from(charge)) {
+                (Some(index), Ok(charge)) => builder.set_formal_charge(index as usize, charge),
                 _ => self.odd.note(line, || format!("a charge of {charge} for atom {atom} cannot be; it is ignored")),
             }
         }
@@ -245,10 +318,10 @@ impl<'a> Molecule<'a> {
         Ok(builder.build(diagnostics))
     }
 
-    /// Adds the atoms; returns their indices by number.
-    fn push_atoms(&mut self, builder: &mut StructureBuilder) -> Result<HashMap<i64, u32>> {
+    fn push_atoms(&mut self, builder: &mut StructureBuilder) {
         let foreign = self.atoms.iter().any(|atom| atom_type::is_foreign(&atom.kind));
-        let mut indices = HashMap::with_capacity(self.atoms.len());
+        // Atoms of a substructure stand together.
+        let mut last: Option<(&Substructured<'_>, Option<Named>)> = None;
         for atom in &self.atoms {
             let label = atom_type::element(&atom.kind, &atom.name, foreign);
             if label.kind == LabelKind::Unknown {
@@ -258,23 +331,24 @@ impl<'a> Molecule<'a> {
                 });
             }
             let name = lossy(&atom.name);
-            let residue = atom.substructure.as_ref().and_then(|(id, text)| self.residue(*id, text));
-            let index = builder.push_atom(&AtomRecord {
+            if let Some(substructure) = &atom.substructure
+                && last.as_ref().is_none_or(|(same, _)| *same != substructure)
+            {
+                last = Some((substructure, self.residue(substructure.0, &substructure.1)));
+            }
+            let residue = last.as_ref().filter(|_| atom.substructure.is_some()).and_then(|(_, named)| named.as_ref());
+            builder.push_atom(&AtomRecord {
                 element: label.element,
                 position: atom.position,
                 name: &name,
                 serial: i32::try_from(atom.id).ok(),
-                residue: residue.as_ref().map(|r| (r.chain.as_str(), r.number, r.insertion_code, r.name.as_str())),
+                residue: residue.map(|r| (r.chain.as_str(), r.number, r.insertion_code, r.name.as_str())),
                 flags: if label.particle { atom_flags::PARTICLE } else { 0 },
                 partial_charge: atom.charge.filter(|_| !self.no_charges),
                 isotope: label.isotope,
                 ..AtomRecord::default()
             });
-            if indices.insert(atom.id, index).is_some() {
-                return Err(Error::input(atom.line, format!("two atoms have the number {}", atom.id)));
-            }
         }
-        Ok(indices)
     }
 
     /// The residue of a substructure: of `ALA12` the number is 12; where there are no digits it is the
@@ -314,41 +388,41 @@ impl<'a> Molecule<'a> {
         }
     }
 
-    fn push_bonds(
-        &mut self,
-        builder: &mut StructureBuilder,
-        indices: &HashMap<i64, u32>,
-        diagnostics: &mut Diagnostics,
-    ) {
+    /// The atom that shares a double bond among its neighbours, where the bond's types say so: SYBYL writes `ar` in
+    /// carboxylates and phosphates (`O.co2`) and guanidinium (`C.cat`) too, which are no rings.
+    fn shared_about(&self, first: u32, second: u32) -> Option<u32> {
+        let is = |atom: u32, kind: &[u8]| self.atoms[atom as usize].kind.eq_ignore_ascii_case(kind);
+        match (first, second) {
+            (oxygen, centre) | (centre, oxygen) if is(oxygen, b"O.co2") => Some(centre),
+            (centre, _) | (_, centre) if is(centre, b"C.cat") => Some(centre),
+            _ => None,
+        }
+    }
+
+    fn push_bonds(&mut self, builder: &mut StructureBuilder, indices: &Indices, diagnostics: &mut Diagnostics) {
         let mut pairs = Vec::with_capacity(self.bonds.len());
-        for (a, b, kind, line) in &self.bonds {
-            let (Some(&first), Some(&second)) = (indices.get(a).filter(|_| a != b), indices.get(b)) else {
+        let mut saturated: HashSet<u32> = HashSet::new();
+        for &BondLine { atoms: [a, b], kind, line } in &self.bonds {
+            let (Some(first), Some(second)) = (indices.get(a).filter(|_| a != b), indices.get(b)) else {
                 let count = self.atoms.len();
                 self.bad_bond
-                    .note(*line, || format!("a bond between atoms {a} and {b} of {count} cannot be; it is left out"));
+                    .note(line, || format!("a bond between atoms {a} and {b} of {count} cannot be; it is left out"));
                 continue;
             };
-            let (order, aromatic) = match kind.as_slice() {
-                b"1" | b"am" => (BondOrder::Single, false),
-                b"2" => (BondOrder::Double, false),
-                b"3" => (BondOrder::Triple, false),
-                b"4" => (BondOrder::Quadruple, false), // no type of the format, but programs write it
-                b"ar" => (BondOrder::Unknown, true),
-                b"du" | b"un" => (BondOrder::Unknown, false),
-                b"nc" => continue,
-                _ => {
-                    let message = || format!("bond type `{}` is not known; taken as of unknown order", shown(kind));
-                    self.odd.note(*line, message);
-                    (BondOrder::Unknown, false)
-                }
-            };
             let is_metal = |atom: u32| builder.elements()[atom as usize].is_metal();
-            let coordination = order <= BondOrder::Single && !aromatic && is_metal(first) != is_metal(second);
-            let bond = if coordination {
-                let bond = Bond::new(first, second, BondOrder::Unknown, BondSource::File);
-                Bond { kind: BondKind::Coordination, ..bond }
-            } else {
-                Bond { aromatic, ..Bond::new(first, second, order, BondSource::File) }
+            let unknown = Bond::new(first, second, BondOrder::Unknown, BondSource::File);
+            let bond = match kind {
+                BondType::NotConnected => continue,
+                BondType::Order(order) => Bond { order, ..unknown },
+                BondType::Aromatic => match self.shared_about(first, second) {
+                    Some(centre) if saturated.insert(centre) => Bond { order: BondOrder::Double, ..unknown },
+                    Some(_) => Bond { order: BondOrder::Single, ..unknown },
+                    None => Bond { aromatic: true, ..unknown },
+                },
+                BondType::Unknown if is_metal(first) != is_metal(second) => {
+                    Bond { kind: BondKind::Coordination, ..unknown }
+                }
+                BondType::Dummy | BondType::Unknown => unknown,
             };
             pairs.push((bond.a, bond.b));
             builder.push_bond(bond);

@@ -47,7 +47,7 @@ fn every_bond_type_has_its_meaning() {
         (1..=9).map(|n| format!("{n} A{n} {n} 0 0 {}", if n == 9 { "Zn" } else { "C.3" })).collect();
     let atoms: Vec<&str> = atoms.iter().map(String::as_str).collect();
     let bonds =
-        ["1 1 2 1", "2 2 3 2", "3 3 4 3", "4 4 5 am", "5 5 6 AR", "6 6 7 du", "7 7 8 un", "8 8 1 nc", "9 8 9 1"];
+        ["1 1 2 1", "2 2 3 2", "3 3 4 3", "4 4 5 am", "5 5 6 AR", "6 6 7 du", "7 7 8 un", "8 8 1 nc", "9 8 9 un"];
     let molecule = one(&mol2(&atoms, &bonds, ""));
     let got: Vec<_> = molecule.bonds().iter().map(|bond| (bond.order.number(), bond.aromatic)).collect();
     let want = [(1, false), (2, false), (3, false), (1, false), (0, true), (0, false), (0, false), (0, false)];
@@ -104,4 +104,19 @@ fn bonds_to_nowhere_are_left_out() {
     assert_eq!(document.records[0].bonds().len(), 1);
     assert_eq!(document.records[0].bonds()[0].order, BondOrder::Double);
     assert_eq!(document.diagnostics.iter().filter(|d| d.severity == Severity::Error).count(), 1);
+}
+
+#[test]
+fn shared_double_bonds_are_not_aromatic() {
+    let atoms = [
+        "1 C 0 0 0 C.2",
+        "2 O 1 0 0 O.co2",
+        "3 O 2 0 0 O.co2",
+        "4 C 3 0 0 C.cat",
+        "5 N 4 0 0 N.pl3",
+        "6 N 5 0 0 N.pl3",
+    ];
+    let molecule = one(&mol2(&atoms, &["1 2 1 ar", "2 1 3 ar", "3 4 5 ar", "4 6 4 ar"], ""));
+    let got: Vec<_> = molecule.bonds().iter().map(|bond| (bond.order.number(), bond.aromatic)).collect();
+    assert_eq!(got, [(2, false), (1, false), (2, false), (1, false)]);
 }

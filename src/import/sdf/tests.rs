@@ -1,5 +1,5 @@
 use crate::element::Element;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::import::{Document, Format, ImportOptions, read_bytes};
 use crate::structure::{BondKind, BondOrder, BondStereo, Severity, StatedBonds, StereoMark, Structure, atom_flags};
 
