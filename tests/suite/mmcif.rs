@@ -24,8 +24,12 @@ fn molecules() -> Vec<PathBuf> {
 /// Covalent and coordination bonds by their atoms, those under residue names included.
 fn pairs(structure: &Structure) -> BTreeMap<(u32, u32), (BondKind, u8, bool)> {
     let mut pairs = BTreeMap::new();
+    let mut inferred = BTreeSet::new();
     for bond in structure.bonds().iter().filter(|bond| !bond.is_periodic()) {
         pairs.insert((bond.a, bond.b), (bond.kind, bond.order.number(), bond.aromatic));
+        if bond.source == BondSource::Distance && bond.kind == BondKind::Covalent {
+            inferred.insert((bond.a, bond.b));
+        }
     }
     let residues = structure.residues();
     for (index, residue) in residues.iter().enumerate() {
@@ -41,7 +45,11 @@ fn pairs(structure: &Structure) -> BTreeMap<(u32, u32), (BondKind, u8, bool)> {
                     let [one, other] = [a, b].map(|atom| structure.altloc(atom as usize));
                     if one == other || one == b' ' || other == b' ' {
                         let value = (BondKind::Covalent, bond.order.number(), bond.aromatic);
-                        pairs.entry((a.min(b), a.max(b))).or_insert(value);
+                        // What the file says of the residue's name is known better than what a distance says.
+                        let pair = (a.min(b), a.max(b));
+                        if !pairs.contains_key(&pair) || inferred.contains(&pair) {
+                            pairs.insert(pair, value);
+                        }
                     }
                 }
             }

@@ -53,7 +53,8 @@ fn what_is_written_is_read_back() {
         let options = BondOptions::default();
         let records: Vec<Structure> = records.into_iter().map(|record| bonds::assign(record, &options)).collect();
         files += 1;
-        for format in FORMATS {
+        // mmCIF says its bonds by residue names and leaves links to the reader: `mmcif` compares it.
+        for format in FORMATS.iter().filter(|format| format.name != "mmcif") {
             let name = format!("{} as {}", path.file_name().unwrap_or_default().to_string_lossy(), format.name);
             let mut bytes = Vec::new();
             if let Err(error) = (format.write)(&records, &mut bytes) {
@@ -74,7 +75,7 @@ fn what_is_written_is_read_back() {
         }
     }
     println!("{files} files; compared {compared:?}");
-    assert!(files > 10 && compared.len() == FORMATS.len(), "too little was compared: {files}, {compared:?}");
+    assert!(files > 10 && compared.len() + 1 == FORMATS.len(), "too little was compared: {files}, {compared:?}");
     assert!(wrong.is_empty(), "{} differences\n{}", wrong.len(), wrong[..wrong.len().min(60)].join("\n"));
 }
 

@@ -103,28 +103,34 @@ fn keys_of(components: &[ComponentBonds], residues: &Residues<'_>) -> HashSet<Ke
     keys
 }
 
-/// Takes out the pairs that some residue has the atoms of, but not the bond.
+/// Takes out the pairs that some residue has the atoms of, in alternate locations that go together, but not the bond.
 fn drop_where_missing(
     everywhere: &mut BTreeMap<Key, Option<(BondOrder, bool)>>,
     residues: &Residues<'_>,
     bonds: &[Bond],
     inside: &impl Fn(&Bond) -> Option<Key>,
 ) {
-    let mut bonded: HashSet<(u32, NameId, NameId)> = HashSet::new();
-    for bond in bonds {
-        if let Some((_, a, b)) = inside(bond) {
-            bonded.insert((residues.index(bond.a as usize), a, b));
-        }
-    }
+    let bonded: HashSet<(u32, u32)> =
+        bonds.iter().filter(|bond| inside(bond).is_some()).map(|bond| (bond.a, bond.b)).collect();
+    let mut atoms: HashMap<NameId, Vec<u32>> = HashMap::new();
     for residue in 0..residues.count() {
-        let names: HashSet<NameId> = residues.atoms(residue).map(|atom| residues.atom_name(atom)).collect();
+        atoms.clear();
+        for atom in residues.atoms(residue) {
+            atoms.entry(residues.atom_name(atom)).or_default().push(u32::try_from(atom).unwrap_or(u32::MAX));
+        }
+        let of = |name: &NameId| atoms.get(name).map_or(&[][..], Vec::as_slice);
         let name = residues.name(residue);
         let lowest = NameId::default();
-        for (&(of, a, b), value) in everywhere.range_mut((name, lowest, lowest)..) {
-            if of != name {
+        for (key, value) in everywhere.range_mut((name, lowest, lowest)..) {
+            if key.0 != name {
                 break;
             }
-            if names.contains(&a) && names.contains(&b) && !bonded.contains(&(residue, a, b)) {
+            // Beside an entry that is settled already nothing is to be found; this bounds the work on odd residues.
+            if value.is_none() {
+                continue;
+            }
+            let mut pairs = of(&key.1).iter().flat_map(|&a| of(&key.2).iter().map(move |&b| (a.min(b), a.max(b))));
+            if pairs.any(|(a, b)| residues.may_meet(a, b) && !bonded.contains(&(a, b))) {
                 *value = None;
             }
         }

@@ -462,14 +462,16 @@ impl<'a> Residues<'a> {
     }
 
     fn find_unique(&mut self) {
-        let mut seen: HashMap<(&str, &str, i32, u8, NameId, NameId, u8), u32> = HashMap::new();
+        // Chains, residue, atom: what a row of `_struct_conn` says.
+        type Key<'k> = ((&'k str, &'k str), (i32, u8, NameId), (NameId, u8));
+        let mut seen: HashMap<Key<'_>, u32> = HashMap::new();
         let mut unique = vec![true; self.structure.atom_count()];
         for (atom, &name) in self.atom_names.iter().enumerate() {
             let residue = self.index(atom);
             let (number, code) = self.number(residue);
             let chains = (self.chain(residue), self.label_chain(residue));
             let altloc = self.structure.altloc(atom);
-            let key = (chains.0, chains.1, number, code, self.name(residue), name, altloc);
+            let key = (chains, (number, code, self.name(residue)), (name, altloc));
             if let Some(&first) = seen.get(&key) {
                 unique[first as usize] = false;
                 unique[atom] = false;
@@ -532,6 +534,12 @@ impl<'a> Residues<'a> {
 
     fn label_number(&self, residue: u32) -> Option<u32> {
         self.label_numbers.get(residue as usize).copied().flatten()
+    }
+
+    /// Whether two atoms are in the same alternative, or at least one of them in all.
+    fn may_meet(&self, a: u32, b: u32) -> bool {
+        let [a, b] = [a, b].map(|atom| self.structure.altloc(atom as usize));
+        a == b || a == b' ' || b == b' '
     }
 
     fn is_unique(&self, atom: usize) -> bool {

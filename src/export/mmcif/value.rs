@@ -32,11 +32,11 @@ impl Display for Value<'_> {
 /// Whether it may stand without quotes.
 fn is_plain(text: &str) -> bool {
     const WORDS: [&str; 5] = ["data_", "save_", "loop_", "stop_", "global_"];
-    let begins = |word: &&str| text.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word));
+    let begins = |word: &str| text.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word));
     !text.starts_with(['_', '#', '$', '\'', '"', '[', ']', ';'])
         && !text.contains(|c: char| c <= ' ' || c == '\u{7f}')
         && !matches!(text, "." | "?")
-        && !WORDS.iter().any(|word| begins(&word))
+        && !WORDS.iter().any(|word| begins(word))
 }
 
 /// A number as short as it reads back, with two decimals at least; `?` for what is none.
