@@ -1,6 +1,6 @@
 //! Whatever the bytes are: no panic, on the whole way from bytes to bonds, scene and JSON.
 //!
-//! Every molecule in `data/` and every seed below is cut at many points and has bytes changed; headers that promise
+//! Every molecule in `data/`, binary and compressed ones among them, and every seed below is cut at many points and has bytes changed; headers that promise
 //! more than there is stand by themselves. A panic fails the test; results may be anything.
 
 use ballstick::bonds::{self, BondOptions};
@@ -38,7 +38,7 @@ impl Xorshift {
 }
 
 /// One small file of each format, with most of what the format can say.
-const SEEDS: [(&str, &str); 6] = [
+const SEEDS: [(&str, &str); 9] = [
     (
         "seed.pdb",
         "HEADER    TEST\nTITLE     TEST\nCRYST1   10.000   11.000   12.000  90.00  91.00  92.00 P 1           1\n\
@@ -81,6 +81,24 @@ const SEEDS: [(&str, &str); 6] = [
         "seed-imolecule.json",
         r#"{"atoms":[{"element":"H","location":[0,0,0]},{"element":"H","location":[0,0,0.7]}],
         "bonds":[{"atoms":[0,1],"order":1}],"unitcell":[[1,0,0],[0,1,0],[0,0,1]]}"#,
+    ),
+    (
+        "POSCAR",
+        "Ti O\n-62.0\n4.5 0 0\n0 4.5 0\n0 0 3.0\nTi_sv O/1a\n1 2\nSelective dynamics\nDirect\n0 0 0 T T F\n\
+         0.3 0.3 0.0 F F F\n0.7 0.7 0.0\nLattice velocities and vectors\n1\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n\
+         Cartesian\n0 0 0.1\n0 0 0\n0 0 1E-3\n",
+    ),
+    (
+        "seed.cube",
+        "water\ndensity\n-3 -1.0 -1.0 -1.0 1\n2 0.5 0 0\n2 0 0.5 0\n2 0 0 0.5\n8 8.0 0 0 0.2\n1 1.0 0 1.4 -0.9\n\
+         0 0.0 0 -1.4 -0.9\n1 5\n1.0E-3 2.0 3.0 4.0 5.0 6.0\n7.0 8.0\n",
+    ),
+    (
+        "seed.gro",
+        "t= 0.0\n3\n99999SOL     OW99999   0.126   1.624   1.679  0.1227 -0.0580  0.0434\n\
+         \x20   0ION     NA    0   0.190   1.661   1.747  0.8085  0.3191 -0.7791\n\
+         \x20   1LYS    MNZ    1   0.177   1.568   1.613 -0.9045 -2.6469  1.3180\n\
+         1.8 1.8 1.8 0 0 0.5 0 0.5 0.5\nt= 1.0\n1\n    1SOL     OW    1   0.126   1.624   1.679\n1 1 1\n",
     ),
 ];
 
@@ -177,6 +195,9 @@ fn headers_that_promise_too_much_are_refused() {
         "\n\n\n999999  0  0  0  0999 V2000\n    0.0000    0.0000    0.0000 C\n",
         "\n\n\n -1 -1  0  0  0  0  0  0  0  0999 V2000\nM  END\n",
         "ATOM      1  C\n",
+        "t\n4294967295\n    1SOL     OW    1   0.126   1.624   1.679\n",
+        "x\n1.0\n4 0 0\n0 4 0\n0 0 4\nTi O\n1 99999999999\nDirect\n0 0 0\n",
+        "\u{1}\u{1}\n-9223372036854775808 0 0 0\n2 1 0 0\n2 0 1 0\n2 0 0 1\n",
         "MODEL\nENDMDL\n",
         "{",
         "{\"atoms\":1}",
