@@ -12,8 +12,9 @@ use std::hint::black_box;
 type Writer = (&'static str, fn(usize) -> Vec<u8>);
 
 fn import(c: &mut Criterion) {
-    let formats: [Writer; 8] = [
+    let formats: [Writer; 9] = [
         ("pdb", |size| common::pdb(size).into_bytes()),
+        ("cif", |size| common::cif(size).into_bytes()),
         ("xyz", |size| common::xyz(size).into_bytes()),
         ("sdf", |size| common::sdf(size).into_bytes()),
         ("json", |size| common::json(size).into_bytes()),

@@ -99,6 +99,50 @@ pub(crate) fn pdb(count: usize) -> String {
     text
 }
 
+/// The atoms as mmCIF text, with the columns that the PDB gives out.
+pub(crate) fn cif(count: usize) -> String {
+    let mut text = String::with_capacity(count * 100);
+    text.push_str("data_bench\n#\nloop_\n");
+    for item in [
+        "group_PDB",
+        "id",
+        "type_symbol",
+        "label_atom_id",
+        "label_alt_id",
+        "label_comp_id",
+        "label_asym_id",
+        "label_entity_id",
+        "label_seq_id",
+        "pdbx_PDB_ins_code",
+        "Cartn_x",
+        "Cartn_y",
+        "Cartn_z",
+        "occupancy",
+        "B_iso_or_equiv",
+        "pdbx_formal_charge",
+        "auth_seq_id",
+        "auth_comp_id",
+        "auth_asym_id",
+        "auth_atom_id",
+        "pdbx_PDB_model_num",
+    ] {
+        let _ = writeln!(text, "_atom_site.{item}");
+    }
+    for (n, (symbol, p)) in atoms(count).into_iter().enumerate() {
+        let residue = residue(n);
+        let _ = writeln!(
+            text,
+            "ATOM {:<7} {symbol} {symbol:<4} . UNL A 1 {residue:<4} ? {:.3} {:.3} {:.3} 1.00 20.00 ? {residue:<4} UNL A {symbol:<4} 1",
+            n + 1,
+            p.x,
+            p.y,
+            p.z
+        );
+    }
+    text.push_str("#\n");
+    text
+}
+
 /// The atoms as XYZ text.
 pub(crate) fn xyz(count: usize) -> String {
     let mut text = format!("{count}\na folded chain\n");

@@ -220,7 +220,7 @@ pub struct ConvertArgs {
     /// File to write; - is standard output
     #[arg(value_name = "OUT")]
     pub output: PathBuf,
-    /// Format, json or xyz, where the name of OUT does not say
+    /// Format, where the name of OUT does not say: json, cjson, mmcif, mol2, pdb, sdf, sdf-v3000, xyz, extxyz
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<String>,
     /// Bonds.

@@ -26,14 +26,13 @@ pub(super) fn run(args: &ConvertArgs, report: &mut Report) -> Result<(), String>
 
 fn convert(args: &ConvertArgs, format: &StructureFormat, report: &Report) -> Result<()> {
     let mut records: Vec<Structure> = pick(read(&args.input, report)?, &args.select)?;
-    let left_out = format.losses(&records);
     if format.holds_bonds() {
-        if !format.all_frames {
-            records.truncate(1);
-        }
-        records = records.into_iter().map(|record| with_bonds(record, args.bonds)).collect();
+        // Those that are not written need none.
+        let written = if format.all_frames { records.len() } else { 1 };
+        let bonded = |(index, record)| if index < written { with_bonds(record, args.bonds) } else { record };
+        records = records.into_iter().enumerate().map(bonded).collect();
     }
-    for loss in left_out {
+    for loss in format.losses(&records) {
         report.warn(&args.input, &loss);
     }
     atomic::write(&args.output, |out| (format.write)(&records, out))

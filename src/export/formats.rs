@@ -3,13 +3,24 @@
 //! A format is one module with a `FORMAT`, and one line in [`FORMATS`]. It lists the [`Part`]s it holds; what a
 //! structure has beyond them is named by [`StructureFormat::losses`].
 
+use crate::element::Element;
 use crate::error::{Error, Result};
-use crate::structure::{Structure, atom_flags};
+use crate::structure::{Bond, BondKind, Structure, atom_flags};
 use std::io::{self, Write};
 use std::path::Path;
 
 /// Every structure format that can be written.
-pub static FORMATS: &[&StructureFormat] = &[&super::json::FORMAT, &super::xyz::FORMAT];
+pub static FORMATS: &[&StructureFormat] = &[
+    &super::json::FORMAT,
+    &super::cjson::FORMAT,
+    &super::mmcif::FORMAT,
+    &super::mol2::FORMAT,
+    &super::pdb::FORMAT,
+    &super::sdf::FORMAT,
+    &super::sdf::FORMAT_V3000,
+    &super::xyz::FORMAT,
+    &super::xyz::FORMAT_EXTENDED,
+];
 
 /// A structure format that can be written.
 #[derive(Debug)]
@@ -20,10 +31,13 @@ pub struct StructureFormat {
     pub extensions: &'static [&'static str],
     /// What it is, in a few words.
     pub description: &'static str,
-    /// Whether all records and frames are written; else the first frame of the first record.
+    /// Whether all records and frames are written; else the first record, of which all frames are written if it
+    /// [`holds`](StructureFormat::holds) [`Part::Frames`].
     pub all_frames: bool,
     /// What it holds beside elements and positions.
     pub holds: &'static [Part],
+    /// What of a structure goes beyond the widths and ranges that the format has for what it holds, one phrase each.
+    pub limits: fn(&Structure) -> Vec<&'static str>,
     /// Writes the records, or the first of them.
     pub write: fn(&[Structure], &mut dyn Write) -> io::Result<()>,
 }
@@ -33,20 +47,43 @@ pub struct StructureFormat {
 pub enum Part {
     /// Title.
     Title,
-    /// Bonds.
+    /// Titles of frames other than the structure's.
+    FrameTitles,
+    /// Further frames.
+    Frames,
+    /// Covalent bonds inside what is listed, with their orders. An aromatic one has a Kekulé order, or a mark, or both:
+    /// a format that holds bonds has a place for one of them, and each follows from the other.
     Bonds,
+    /// What is a coordination bond.
+    CoordinationBonds,
+    /// What is a dative bond.
+    DativeBonds,
+    /// Hydrogen bonds; a format without a place for them leaves them out.
+    HydrogenBonds,
+    /// Bonds to periodic images; a format without a place for them leaves them out.
+    PeriodicBonds,
     /// Stereo marks on bonds.
     BondStereo,
     /// Unit cell.
     Cell,
+    /// Unit cells that change from frame to frame.
+    FrameCells,
+    /// The symbol of the space group.
+    SpaceGroup,
+    /// Symmetry operations.
+    SymmetryOperations,
+    /// Bonds inside residues by the names of their atoms.
+    Components,
     /// Atom names.
     AtomNames,
     /// Serial numbers other than 1, 2, 3, ….
     Serials,
     /// Residues and chains.
     Residues,
-    /// What is a hetero atom, and what is no atom at all.
+    /// What is a hetero atom.
     AtomKinds,
+    /// What is no atom at all: lone pairs, dummies, extra points.
+    Particles,
     /// Alternate locations.
     Altlocs,
     /// Occupancies other than 1.
@@ -73,15 +110,26 @@ pub enum Part {
 
 impl Part {
     /// All of them.
-    pub const ALL: [Part; 19] = [
+    pub const ALL: [Part; 30] = [
         Part::Title,
+        Part::FrameTitles,
+        Part::Frames,
         Part::Bonds,
+        Part::CoordinationBonds,
+        Part::DativeBonds,
+        Part::HydrogenBonds,
+        Part::PeriodicBonds,
         Part::BondStereo,
         Part::Cell,
+        Part::FrameCells,
+        Part::SpaceGroup,
+        Part::SymmetryOperations,
+        Part::Components,
         Part::AtomNames,
         Part::Serials,
         Part::Residues,
         Part::AtomKinds,
+        Part::Particles,
         Part::Altlocs,
         Part::Occupancies,
         Part::BFactors,
@@ -100,13 +148,24 @@ impl Part {
     pub fn name(self) -> &'static str {
         match self {
             Part::Title => "titles",
+            Part::FrameTitles => "titles of frames",
+            Part::Frames => "further frames",
             Part::Bonds => "bonds",
+            Part::CoordinationBonds => "marks of coordination bonds",
+            Part::DativeBonds => "marks of dative bonds",
+            Part::HydrogenBonds => "hydrogen bonds",
+            Part::PeriodicBonds => "bonds to periodic images",
             Part::BondStereo => "stereo marks",
             Part::Cell => "unit cells",
+            Part::FrameCells => "cells of further frames",
+            Part::SpaceGroup => "space groups",
+            Part::SymmetryOperations => "symmetry operations",
+            Part::Components => "lists of residues' bonds",
             Part::AtomNames => "atom names",
             Part::Serials => "serial numbers",
             Part::Residues => "residues and chains",
-            Part::AtomKinds => "marks of hetero atoms and particles",
+            Part::AtomKinds => "marks of hetero atoms",
+            Part::Particles => "marks of what is no atom",
             Part::Altlocs => "alternate locations",
             Part::Occupancies => "occupancies",
             Part::BFactors => "temperature factors",
@@ -124,15 +183,32 @@ impl Part {
     #[must_use]
     pub fn is_in(self, structure: &Structure) -> bool {
         let any = |test: &dyn Fn(usize) -> bool| (0..structure.atom_count()).any(test);
+        let has_kind = |kind| structure.bonds().iter().any(|bond| bond.kind == kind && !bond.is_periodic());
         match self {
-            Part::Title => !structure.title().is_empty() || structure.frames().iter().any(|f| !f.title.is_empty()),
-            Part::Bonds => !structure.bonds().is_empty(),
+            Part::Title => !title(structure).is_empty(),
+            Part::FrameTitles => {
+                structure.frames().iter().any(|frame| !frame.title.is_empty() && frame.title != title(structure))
+            }
+            Part::Frames => structure.frames().len() > 1,
+            Part::Bonds => structure.bonds().iter().any(|bond| !bond.is_periodic() && bond.kind != BondKind::Hydrogen),
+            Part::CoordinationBonds => has_kind(BondKind::Coordination),
+            Part::DativeBonds => has_kind(BondKind::Dative),
+            Part::HydrogenBonds => has_kind(BondKind::Hydrogen),
+            Part::PeriodicBonds => structure.bonds().iter().any(Bond::is_periodic),
             Part::BondStereo => !structure.bond_stereo().is_empty(),
             Part::Cell => structure.frames().iter().any(|frame| frame.cell.is_some()),
-            Part::AtomNames => any(&|i| !structure.atom_name(i).is_empty()),
+            Part::FrameCells => structure.frames().iter().any(|frame| frame.cell.as_ref() != structure.cell()),
+            Part::SpaceGroup => structure.symmetry().is_some_and(|symmetry| !symmetry.space_group.is_empty()),
+            Part::SymmetryOperations => structure.symmetry().is_some_and(|symmetry| !symmetry.operations.is_empty()),
+            Part::Components => !structure.components().is_empty(),
+            // The name of what has no element says of which sort it is, in place of a symbol.
+            Part::AtomNames => {
+                any(&|i| !structure.atom_name(i).is_empty() && structure.elements()[i] != Element::DUMMY)
+            }
             Part::Serials => any(&|i| usize::try_from(structure.serial(i)) != Ok(i + 1)),
             Part::Residues => !structure.residues().is_empty(),
-            Part::AtomKinds => any(&|i| structure.flags(i) & (atom_flags::HETERO | atom_flags::PARTICLE) != 0),
+            Part::AtomKinds => any(&|i| structure.flags(i) & atom_flags::HETERO != 0),
+            Part::Particles => any(&|i| structure.flags(i) & atom_flags::PARTICLE != 0),
             Part::Altlocs => structure.has_altlocs(),
             Part::Occupancies => any(&|i| structure.occupancy(i) != 1.0),
             Part::BFactors => any(&|i| structure.b_factor(i) != 0.0),
@@ -148,9 +224,23 @@ impl Part {
     }
 }
 
+/// The title of the structure, or else of its first frame.
+pub(super) fn title(structure: &Structure) -> &str {
+    match structure.title() {
+        "" => structure.frames().first().map_or("", |frame| &frame.title),
+        title => title,
+    }
+}
+
+/// For formats that hold what they hold whatever it is.
+#[must_use]
+pub fn no_limits(_structure: &Structure) -> Vec<&'static str> {
+    Vec::new()
+}
+
 /// Whether the atom is deuterium or tritium.
 pub(super) fn is_heavy_hydrogen(structure: &Structure, atom: usize) -> bool {
-    matches!(structure.isotope(atom), 2 | 3) && structure.elements()[atom] == crate::element::Element::H
+    matches!(structure.isotope(atom), 2 | 3) && structure.elements()[atom] == Element::H
 }
 
 impl StructureFormat {
@@ -198,16 +288,28 @@ impl StructureFormat {
                 losses.push(format!("only the first of {count} records is written; --record N chooses another"));
             }
             let frames = records[0].frames().len();
-            if frames > 1 {
+            if frames > 1 && !self.holds.contains(&Part::Frames) {
                 losses.push(format!("only the first of {frames} frames is written; --frame N chooses another"));
             }
             written = &records[..1];
         }
-        let lost = |part: &Part| !self.holds.contains(part) && written.iter().any(|record| part.is_in(record));
+        // Of frames that are not written nothing is to be said but that.
+        let one_frame = !self.all_frames && !self.holds.contains(&Part::Frames);
+        let unsaid =
+            |part: &Part| *part == Part::Frames || (one_frame && matches!(part, Part::FrameTitles | Part::FrameCells));
+        let lost = |part: &Part| {
+            !self.holds.contains(part) && !unsaid(part) && written.iter().any(|record| part.is_in(record))
+        };
         let mut names: Vec<&str> = Part::ALL.iter().filter(|part| lost(part)).map(|part| part.name()).collect();
         names.dedup();
         if !names.is_empty() {
             losses.push(format!("{} has no place for these, left out: {}", self.name, names.join(", ")));
+        }
+        let mut phrases: Vec<&str> = written.iter().flat_map(|record| (self.limits)(record)).collect();
+        phrases.sort_unstable();
+        phrases.dedup();
+        if !phrases.is_empty() {
+            losses.push(format!("{} has too little room for these: {}", self.name, phrases.join("; ")));
         }
         losses
     }
@@ -216,8 +318,7 @@ impl StructureFormat {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::element::Element;
-    use crate::structure::{AtomRecord, Bond, BondOrder, BondSource, Diagnostics, StructureBuilder};
+    use crate::structure::{AtomRecord, BondOrder, BondSource, Diagnostics, StructureBuilder};
 
     fn charged() -> Structure {
         let mut builder = StructureBuilder::new();
@@ -253,7 +354,7 @@ mod tests {
     #[test]
     fn unknown_names_are_errors_that_list_the_known_ones() {
         let error = StructureFormat::from_path(Path::new("a.docx")).unwrap_err().to_string();
-        assert!(error.contains("docx") && error.contains("json, xyz"), "{error}");
+        assert!(error.contains("docx") && error.contains("json, cjson"), "{error}");
         assert!(StructureFormat::from_path(Path::new("a")).unwrap_err().to_string().contains("--to"));
     }
 }

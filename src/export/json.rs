@@ -13,16 +13,17 @@
 //! - An atom has `element` (`X` for what is no element), `position` and `charge` (formal); and, only where it differs
 //!   from what is said here, `name`, `residue` (its name), `residue_number`, `insertion_code`, `chain`, `serial` (1-based
 //!   index), `altloc`, `occupancy` (1), `b_factor` (0), `isotope` (natural mixture), `radical` (0), `partial_charge`,
-//!   `hetero` (false), `particle` (false: lone pairs, dummies).
+//!   `hetero` (false), `particle` (lone pairs, dummies: true for `X`, false for all else).
 //! - A bond has `atoms` (0-based), `order` (0 unknown or none, 1–4; aromatic bonds have that of a Kekulé form), `kind`
-//!   (covalent, coordination, dative, hydrogen), `aromatic`, `source` (file, link, dictionary, distance).
+//!   (covalent, coordination, dative, hydrogen), `aromatic`, `source` (file, link, dictionary, distance); `image`
+//!   only if it is not [0,0,0]: the cell vectors to add to the second atom.
 //! - `cell` is null or has `a`, `b`, `c` (Å), `alpha`, `beta`, `gamma` (degrees); and `vectors`, the three vectors in
-//!   ångström, which then hold, only where **a** is not along +x or **b** not in the xy plane (towards +y,
-//!   **c** towards +z).
+//!   ångström, which then hold, only where the six numbers do not give them to the last digit (**a** along x, **b** in the xy plane).
 //! - `title` is there only if there is one.
 
-use super::formats::{Part, StructureFormat};
+use super::formats::{Part, StructureFormat, title};
 use super::tidy;
+use crate::element::Element;
 use crate::structure::{Bond, Cell, Structure, atom_flags};
 use std::fmt::Display;
 use std::io::{self, Write};
@@ -36,11 +37,16 @@ pub static FORMAT: StructureFormat = StructureFormat {
     holds: &[
         Part::Title,
         Part::Bonds,
+        Part::CoordinationBonds,
+        Part::DativeBonds,
+        Part::HydrogenBonds,
+        Part::PeriodicBonds,
         Part::Cell,
         Part::AtomNames,
         Part::Serials,
         Part::Residues,
         Part::AtomKinds,
+        Part::Particles,
         Part::Altlocs,
         Part::Occupancies,
         Part::BFactors,
@@ -50,6 +56,7 @@ pub static FORMAT: StructureFormat = StructureFormat {
         Part::Isotopes,
         Part::Radicals,
     ],
+    limits: super::formats::no_limits,
     write: |records, out| records.first().map_or(Ok(()), |structure| write(structure, out)),
 };
 
@@ -59,19 +66,15 @@ pub static FORMAT: StructureFormat = StructureFormat {
 /// What the writer returns, and `InvalidData` for a position that is not a number (JSON has none for it).
 pub fn write(structure: &Structure, out: &mut dyn Write) -> io::Result<()> {
     out.write_all(b"{")?;
-    let title = match structure.title() {
-        "" => structure.frames().first().map_or("", |frame| &frame.title),
-        title => title,
-    };
+    let title = title(structure);
     if !title.is_empty() {
         write!(out, "\"title\":{},", Text(title))?;
     }
     out.write_all(b"\"atoms\":[")?;
-    let has_names = Part::AtomNames.is_in(structure);
     let has_serials = Part::Serials.is_in(structure);
     for atom in 0..structure.atom_count() {
         out.write_all(if atom == 0 { b"\n" } else { b",\n" })?;
-        write_atom(structure, atom, has_names, has_serials, out)?;
+        write_atom(structure, atom, has_serials, out)?;
     }
     out.write_all(b"\n],\"bonds\":[")?;
     for (index, bond) in structure.bonds().iter().enumerate() {
@@ -86,13 +89,7 @@ pub fn write(structure: &Structure, out: &mut dyn Write) -> io::Result<()> {
     out.write_all(b"}\n")
 }
 
-fn write_atom(
-    structure: &Structure,
-    atom: usize,
-    has_names: bool,
-    has_serials: bool,
-    out: &mut dyn Write,
-) -> io::Result<()> {
+fn write_atom(structure: &Structure, atom: usize, has_serials: bool, out: &mut dyn Write) -> io::Result<()> {
     let positions = structure.positions();
     let p = positions.written(atom);
     if !p.is_finite() {
@@ -113,7 +110,7 @@ fn write_atom(
         if present { write!(out, ",\"{key}\":{value}") } else { Ok(()) }
     };
     let name = structure.atom_name(atom);
-    optional(has_names && !name.is_empty(), "name", &Text(name))?;
+    optional(!name.is_empty(), "name", &Text(name))?;
     optional(has_serials, "serial", &structure.serial(atom))?;
     if let Some(residue) = structure.residue_index(atom).and_then(|index| structure.residues().get(index)) {
         let chain = structure.chains().nth(residue.chain as usize).unwrap_or("");
@@ -132,7 +129,9 @@ fn write_atom(
     }
     let flags = structure.flags(atom);
     optional(flags & atom_flags::HETERO != 0, "hetero", &true)?;
-    optional(flags & atom_flags::PARTICLE != 0, "particle", &true)?;
+    // Readers take what has no element for a particle, and what has one for an atom.
+    let particle = flags & atom_flags::PARTICLE != 0;
+    optional(particle != (structure.elements()[atom] == Element::DUMMY), "particle", &particle)?;
     out.write_all(b"}")
 }
 
@@ -141,31 +140,28 @@ fn write_bond(bond: &Bond, out: &mut dyn Write) -> io::Result<()> {
     let (kind, aromatic, source) = (bond.kind.name(), bond.aromatic, bond.source.name());
     write!(
         out,
-        "{{\"atoms\":[{a},{b}],\"order\":{order},\"kind\":\"{kind}\",\"aromatic\":{aromatic},\"source\":\"{source}\"}}"
-    )
+        "{{\"atoms\":[{a},{b}],\"order\":{order},\"kind\":\"{kind}\",\"aromatic\":{aromatic},\"source\":\"{source}\""
+    )?;
+    if bond.is_periodic() {
+        let [h, k, l] = bond.image;
+        write!(out, ",\"image\":[{h},{k},{l}]")?;
+    }
+    out.write_all(b"}")
 }
 
 fn write_cell(cell: &Cell, out: &mut dyn Write) -> io::Result<()> {
     let [a, b, c] = cell.lengths().map(tidy);
     let [alpha, beta, gamma] = cell.angles_deg().map(tidy);
     write!(out, "{{\"a\":{a},\"b\":{b},\"c\":{c},\"alpha\":{alpha},\"beta\":{beta},\"gamma\":{gamma}")?;
-    if !follows_from_parameters(cell, [a, b, c], [alpha, beta, gamma]) {
+    if Cell::from_parameters([a, b, c], [alpha, beta, gamma]).as_ref() != Some(cell) {
         let [a, b, c] = cell.vectors().map(|v| format!("[{},{},{}]", v.x, v.y, v.z));
         write!(out, ",\"vectors\":[{a},{b},{c}]")?;
     }
     out.write_all(b"}")
 }
 
-/// Whether lengths and angles alone give the same vectors, to 1e-9 of the longest edge.
-fn follows_from_parameters(cell: &Cell, lengths: [f64; 3], angles_deg: [f64; 3]) -> bool {
-    let tolerance = 1e-9 * lengths.into_iter().fold(0.0, f64::max);
-    Cell::from_parameters(lengths, angles_deg).is_some_and(|standard| {
-        standard.vectors().iter().zip(cell.vectors()).all(|(&a, b)| (a - b).abs().max_element() <= tolerance)
-    })
-}
-
 /// A JSON string.
-struct Text<'a>(&'a str);
+pub(super) struct Text<'a>(pub(super) &'a str);
 
 impl Display for Text<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -183,7 +179,7 @@ impl Display for Code {
 }
 
 /// A JSON number, null for what JSON has no number for.
-struct Number(f32);
+pub(super) struct Number(pub(super) f32);
 
 impl Display for Number {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -194,7 +190,6 @@ impl Display for Number {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::element::Element;
     use crate::structure::{AtomRecord, BondKind, BondOrder, BondSource, Diagnostics, StructureBuilder};
     use glam::DVec3;
     use serde_json::{Value, json};
@@ -274,6 +269,18 @@ mod tests {
             "bonds": [], "cell": null
         });
         assert_eq!(got, expected);
+    }
+
+    #[test]
+    fn what_is_not_usual_of_particles_and_images_is_said() {
+        let mut builder = StructureBuilder::new();
+        builder.push_atom(&AtomRecord::default());
+        builder.push_atom(&AtomRecord { flags: atom_flags::PARTICLE, ..AtomRecord::default() });
+        let bond = Bond::new(0, 1, BondOrder::Single, BondSource::Distance);
+        builder.push_bond(Bond { image: [0, -1, 2], ..bond });
+        let got = value(&builder.build(&mut Diagnostics::default()));
+        assert_eq!((&got["atoms"][0]["particle"], got["atoms"][1].get("particle")), (&json!(false), None));
+        assert_eq!(got["bonds"][0]["image"], json!([0, -1, 2]));
     }
 
     #[test]

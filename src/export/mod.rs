@@ -1,15 +1,21 @@
 //! Files out: pictures, channels and structure formats, each written whole or not at all.
 //!
 //! [`atomic`] owns every write. [`picture`] turns what a renderer hands back into a picture file; [`formats`] is
-//! the table of structure formats, one module each ([`json`], [`xyz`]). Writers take any [`std::io::Write`] and
+//! the table of structure formats, one module each ([`json`], [`mmcif`], [`cjson`], [`mol2`], [`pdb`], [`sdf`], [`xyz`]). Writers take any [`std::io::Write`] and
 //! stream: none builds the file in memory. What a format cannot hold is named by `losses`, never dropped silently.
 
 pub mod atomic;
+pub mod cjson;
 pub mod formats;
 pub mod json;
+pub mod mmcif;
+pub mod mol2;
 mod npy;
+pub mod pdb;
 pub mod picture;
 mod png;
+pub mod sdf;
+mod text;
 pub mod xyz;
 
 /// Rounds to six decimals where that changes a number by no more than 1e-9 of it: edge lengths and angles

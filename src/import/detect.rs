@@ -33,7 +33,7 @@ pub(super) fn detect(text: &[u8], name_hint: &str, diagnostics: &mut Diagnostics
             warn_of_name(format, name_hint, diagnostics);
             Ok(found)
         }
-        (None, Some(Format::BallstickJson | Format::ChemicalJson | Format::ImoleculeJson)) => {
+        (None, Some(named)) if named.is_json() => {
             Err(Error::input(1, "the name says JSON, but the content does not begin with `{`"))
         }
         (None, Some(Format::BinaryCif)) => {
@@ -45,7 +45,7 @@ pub(super) fn detect(text: &[u8], name_hint: &str, diagnostics: &mut Diagnostics
         (None, Some(named)) => Ok(Detected::Format(named)),
         (None, None) => Err(Error::input(
             None,
-            "neither the content nor the name tells the format; name it (pdb, mmcif, bcif, cif, xyz, sdf, poscar, cube, gro, json, …)",
+            "neither the content nor the name tells the format; name it (pdb, mmcif, bcif, cif, xyz, sdf, mol2, poscar, cube, gro, json, …)",
         )),
     }
 }
@@ -90,6 +90,9 @@ fn by_content(text: &[u8]) -> Result<Option<Detected>> {
     }
     if lines.iter().take(12).any(|line| sdf::is_counts_line(line)) {
         return Ok(Some(Detected::Format(Format::Sdf)));
+    }
+    if lines.iter().any(|line| line.starts_with(b"@<TRIPOS>")) {
+        return Ok(Some(Detected::Format(Format::Mol2)));
     }
     if let Some(format) = unread_format(&lines) {
         return Err(Error::Unsupported(format!("this is a file in {format} format, which is not read")));
@@ -160,7 +163,7 @@ fn unread_format(lines: &[&[u8]]) -> Option<&'static str> {
     if starts(b"<?xml") || starts(b"<") {
         return Some("XML");
     }
-    lines.iter().any(|line| line.starts_with(b"@<TRIPOS>")).then_some("MOL2")
+    None
 }
 
 #[cfg(test)]
@@ -177,7 +180,8 @@ mod tests {
 
     #[test]
     fn content_goes_before_the_name() {
-        for (text, format) in [(ATOM, Format::Pdb), (XYZ, Format::Xyz), (MOL, Format::Sdf)] {
+        let mol2 = "# from somewhere\n\n@<TRIPOS>MOLECULE\n";
+        for (text, format) in [(ATOM, Format::Pdb), (XYZ, Format::Xyz), (MOL, Format::Sdf), (mol2, Format::Mol2)] {
             for name in ["", "a.pdb", "a.xyz.gz", "a.json"] {
                 assert_eq!(run(text, name).unwrap(), Detected::Format(format), "{text} {name}");
             }
@@ -218,7 +222,7 @@ mod tests {
 
     #[test]
     fn what_is_not_read_is_named() {
-        for (text, word) in [("@<TRIPOS>MOLECULE\n", "MOL2"), ("<?xml ?>", "XML")] {
+        for (text, word) in [("$RXN\n", "reaction"), ("<?xml ?>", "XML")] {
             let error = run(text, "a.pdb").unwrap_err();
             assert!(matches!(&error, Error::Unsupported(message) if message.contains(word)), "{error}");
         }

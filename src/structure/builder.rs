@@ -6,7 +6,7 @@ use super::names::RecentNames;
 use super::positions::Points;
 use super::{
     Bond, BondStereo, Cell, ComponentBonds, Diagnostics, Frame, NameId, Names, Positions, Residue, SecondaryElement,
-    StatedBonds, Structure, Symmetry, VectorField, bond,
+    StatedBonds, StereoMark, Structure, Symmetry, VectorField, bond,
 };
 use crate::element::Element;
 use glam::DVec3;
@@ -317,7 +317,7 @@ impl StructureBuilder {
         self.bonds.push(bond);
     }
 
-    /// Adds a stereo mark for the bond from atom `from` to atom `to`.
+    /// Adds a stereo mark for the bond from atom `from` (the narrow end of a wedge) to atom `to`.
     pub fn push_bond_stereo(&mut self, from: u32, to: u32, stereo: BondStereo) {
         self.bond_stereo.push((from, to, stereo));
     }
@@ -402,7 +402,7 @@ impl StructureBuilder {
             .filter_map(|&(from, to, stereo)| {
                 let key = (from.min(to), from.max(to), [0; 3]);
                 let index = bonds.binary_search_by_key(&key, Bond::key).ok()?;
-                Some((u32::try_from(index).ok()?, stereo))
+                Some(StereoMark { bond: u32::try_from(index).ok()?, from, stereo })
             })
             .collect();
         Structure {
@@ -493,10 +493,11 @@ mod tests {
         builder.push_bond(Bond::new(0, 1, BondOrder::Single, BondSource::File));
         builder.push_bond_stereo(2, 1, BondStereo::Up);
         let structure = builder.build(&mut Diagnostics::default());
-        assert_eq!(structure.bond_stereo(), [(1, BondStereo::Up)]);
+        let up = |bond| [StereoMark { bond, from: 2, stereo: BondStereo::Up }];
+        assert_eq!(structure.bond_stereo(), up(1));
         let bond = |a, b| Bond::new(a, b, BondOrder::Single, BondSource::Distance);
         let more = structure.with_bonds(vec![bond(0, 1), bond(0, 2), bond(1, 2)]);
-        assert_eq!(more.bond_stereo(), [(2, BondStereo::Up)]);
+        assert_eq!(more.bond_stereo(), up(2));
         assert!(more.with_bonds(vec![bond(0, 1)]).bond_stereo().is_empty());
     }
 }

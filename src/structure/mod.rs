@@ -84,7 +84,7 @@ pub struct VectorField {
     pub vectors: Vec<glam::Vec3>,
 }
 
-/// A stereo mark on a bond of a 2D drawing: from the bond's first atom to its second.
+/// What a stereo mark on a bond of a 2D drawing says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BondStereo {
     /// Towards the viewer (wedge).
@@ -95,6 +95,17 @@ pub enum BondStereo {
     Either,
     /// A double bond whose cis/trans geometry is not stated.
     CisTransEither,
+}
+
+/// A stereo mark on one bond.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StereoMark {
+    /// Index into [`Structure::bonds`].
+    pub bond: u32,
+    /// The atom that it starts from: the narrow end of a wedge, the stereo centre.
+    pub from: u32,
+    /// What it says.
+    pub stereo: BondStereo,
 }
 
 /// A molecule, or whatever else one record of a file holds.
@@ -118,7 +129,7 @@ pub struct Structure {
     pub(crate) chains: Vec<NameId>,
     pub(crate) bonds: Vec<Bond>,
     pub(crate) stated_bonds: StatedBonds,
-    pub(crate) bond_stereo: Vec<(u32, BondStereo)>,
+    pub(crate) bond_stereo: Vec<StereoMark>,
     pub(crate) frames: Vec<Frame>,
     pub(crate) secondary: Vec<SecondaryElement>,
     pub(crate) symmetry: Option<Symmetry>,
@@ -248,9 +259,9 @@ impl Structure {
         self.stated_bonds
     }
 
-    /// Stereo marks of a 2D drawing, by index into [`Structure::bonds`].
+    /// Stereo marks of a 2D drawing, in the file's order.
     #[must_use]
-    pub fn bond_stereo(&self) -> &[(u32, BondStereo)] {
+    pub fn bond_stereo(&self) -> &[StereoMark] {
         &self.bond_stereo
     }
 
@@ -310,10 +321,10 @@ impl Structure {
         let old = std::mem::replace(&mut self.bonds, bond::normalise(bonds, self.element.len()));
         let bonds = &self.bonds;
         self.bond_stereo = (self.bond_stereo.iter())
-            .filter_map(|&(index, stereo)| {
-                let marked = old.get(index as usize)?;
+            .filter_map(|mark| {
+                let marked = old.get(mark.bond as usize)?;
                 let index = bonds.binary_search_by_key(&marked.key(), Bond::key).ok()?;
-                Some((u32::try_from(index).ok()?, stereo))
+                Some(StereoMark { bond: u32::try_from(index).ok()?, ..*mark })
             })
             .collect();
         self

@@ -111,14 +111,20 @@ impl RecentNames {
 }
 
 /// The bytes of a name as a number, if they fit and none is zero (so that different names differ).
+#[inline]
 fn short_key(text: &str) -> Option<u64> {
     let bytes = text.as_bytes();
-    if bytes.len() > 8 || bytes.contains(&0) {
+    if bytes.len() > 8 {
         return None;
     }
-    let mut key = [0u8; 8];
-    key[..bytes.len()].copy_from_slice(bytes);
-    Some(u64::from_le_bytes(key))
+    let mut key = 0;
+    for &byte in bytes {
+        if byte == 0 {
+            return None;
+        }
+        key = key << 8 | u64::from(byte);
+    }
+    Some(key)
 }
 
 /// One multiplication: the keys are short ASCII texts, and a table from a hostile file has at most as many

@@ -38,7 +38,29 @@ impl Xorshift {
 }
 
 /// One small file of each format, with most of what the format can say.
-const SEEDS: [(&str, &str); 9] = [
+const SEEDS: [(&str, &str); 11] = [
+    (
+        "seed-macromolecule.cif",
+        "data_seed\n_entry.id seed\n_cell.length_a 10\n_cell.length_b 11\n_cell.length_c 12\n_symmetry.space_group_name_H-M 'P 1'\n\
+         loop_\n_struct_conn.conn_type_id\n_struct_conn.ptnr1_auth_asym_id\n_struct_conn.ptnr1_auth_seq_id\n\
+         _struct_conn.ptnr1_label_atom_id\n_struct_conn.ptnr2_auth_asym_id\n_struct_conn.ptnr2_auth_seq_id\n\
+         _struct_conn.ptnr2_label_atom_id\nmetalc A 1 SG A 3 ZN\nloop_\n_chem_comp_bond.comp_id\n_chem_comp_bond.atom_id_1\n\
+         _chem_comp_bond.atom_id_2\n_chem_comp_bond.value_order\nCYS SG CB sing\n_struct_conf.conf_type_id HELX_P\n\
+         _struct_conf.beg_auth_asym_id A\n_struct_conf.beg_auth_seq_id 1\n_struct_conf.end_auth_seq_id 3\nloop_\n\
+         _atom_site.group_PDB\n_atom_site.id\n_atom_site.type_symbol\n_atom_site.auth_atom_id\n_atom_site.label_alt_id\n\
+         _atom_site.auth_comp_id\n_atom_site.auth_asym_id\n_atom_site.label_seq_id\n_atom_site.auth_seq_id\n\
+         _atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n_atom_site.occupancy\n_atom_site.pdbx_PDB_model_num\n\
+         ATOM 1 S SG A CYS A 1 1 0.5 1.25 -2.0 0.5 1\nATOM 2 C \"C'B\" . CYS A 1 1 1.5 1.25 -2.0 1 1\n\
+         HETATM 3 ZN ZN . ZN A . 3 2.5 1.25\n;-2.0\n;\n1 1\nATOM 1 S SG A CYS A 1 1 0.5 1.25 -3.0 0.5 2\n#\n",
+    ),
+    (
+        "seed-crystal.cif",
+        "#\\#CIF_1.1\ndata_seed\n_cell_length_a 5.0(1)\n_cell_length_b 6\n_cell_length_c 7\n_cell_angle_beta 100.5\n\
+         _space_group_name_H-M_alt 'P 1 21 1'\nloop_\n_space_group_symop_operation_xyz\nx,y,z\n'-x, y+1/2, -z'\nloop_\n\
+         _atom_site_label\n_atom_site_type_symbol\n_atom_site_fract_x\n_atom_site_fract_y\n_atom_site_fract_z\n\
+         _atom_site_U_iso_or_equiv\n_atom_site_disorder_assembly\n_atom_site_disorder_group\n_atom_site_calc_flag\n\
+         Fe1 Fe3+ 0.1(2) 0.25 0.5 0.02 . . d\nO1 O2- 0.3 0.25 0.5 0.02 A 1 d\nO2 O2- 0.3 0.35 0.5 ? A -2 dum\n",
+    ),
     (
         "seed.pdb",
         "HEADER    TEST\nTITLE     TEST\nCRYST1   10.000   11.000   12.000  90.00  91.00  92.00 P 1           1\n\

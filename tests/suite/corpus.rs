@@ -29,8 +29,14 @@ const CHLORIDE: &str =
     "CLA in a residue CLA is CHARMM's chloride; most readers see a carbon in the column of the letter";
 
 /// Bad files that are sound as far as a reader can tell, with the reason.
-const NOTHING_TO_SAY: [(&str, &str); 1] =
-    [("real-fuzz_regress-ant-2026-00770.sdf", "a carbon with seven bonds: odd chemistry, but what the file states")];
+const NOTHING_TO_SAY: [(&str, &str); 2] = [
+    ("real-fuzz_regress-ant-2026-00770.sdf", "a carbon with seven bonds: odd chemistry, but what the file states"),
+    ("real-fuzz_regress-cve-2026-2704.cif", "its odd table is `_chemical_conn_bond`, which is not read"),
+];
+
+/// Good files with a truth that says nothing of them, with the reason.
+const NOT_KNOWN: [(&str, &str); 1] =
+    [("components.cif", "none of the readers behind the truth reads the `_chem_comp_atom` of its three records")];
 
 fn folder(name: &str) -> Option<PathBuf> {
     match std::env::var_os("BALLSTICK_CORPUS") {
@@ -141,6 +147,7 @@ fn good_files_hold_what_independent_readers_find() {
     for row in rows(&folder) {
         let file = row["file"].as_str().expect("every row names its file");
         match read_path(&folder.join(file), &ImportOptions::default()) {
+            Ok(_) if NOT_KNOWN.iter().any(|(name, _)| *name == file) => {}
             Ok(document) => {
                 compare(&row, file, &document, &mut differences);
                 compared += 1;

@@ -1,7 +1,7 @@
 //! The integration tests: one binary, since wgpu links slowly.
 //!
 //! Where a new test goes: what one module does is tested beside its code; what several do together here, by topic.
-//! `layering` the order of the modules and the size of files; `corpus` real files with independent truth; `bad_input` truncated
+//! `layering` the order of the modules and the size of files; `corpus` real files with independent truth; `mmcif` files written and read again; `bad_input` truncated
 //! and corrupted ones; `golden` small pictures, one idea each; `parity` CPU against GPU; `shaders` WGSL without a GPU; `cli` the program
 //! as a user runs it; `window` the window under a virtual display.
 
@@ -12,6 +12,7 @@ mod cli;
 mod corpus;
 mod golden;
 mod layering;
+mod mmcif;
 #[cfg(feature = "gpu")]
 mod parity;
 mod scenes;

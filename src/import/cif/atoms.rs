@@ -224,8 +224,8 @@ impl AtomSites {
     /// A limit would be passed.
     #[inline]
     pub(in crate::import) fn push(&mut self, columns: &Columns, row: &impl Row) -> Result<()> {
-        let [x, y, z] = columns.position.map(|column| row.number(column));
-        let (Some(x), Some(y), Some(z)) = (x, y, z) else {
+        let [x, y, z] = columns.position;
+        let (Some(x), Some(y), Some(z)) = (row.number(x), row.number(y), row.number(z)) else {
             self.note_no_position(columns, row);
             return Ok(());
         };
@@ -248,35 +248,14 @@ impl AtomSites {
             let message = format!("the model has more than {} atoms (limit `atoms`)", self.limits.atoms);
             return Err(Error::limit(row.line(), message));
         }
-        let [name, residue_name, chain] =
-            [columns.name, columns.residue_name, columns.chain].map(|[first, second]| either(row, first, second));
-        let name = if columns.name[0] == ABSENT { row.text(columns.label) } else { name }.unwrap_or_default();
-        let residue_name = residue_name.unwrap_or_default();
-        let mut insertion_code = if columns.insertion_code == ABSENT {
-            None
-        } else {
-            row.text(columns.insertion_code).and_then(|text| code(&text))
-        };
+        let name = if columns.name[0] == ABSENT { row.text(columns.label) } else { either(row, columns.name) };
+        let name = name.unwrap_or_default();
         if columns.has_residues {
-            let chain = chain.unwrap_or_default();
-            let number = residue_number(columns, row, &mut insertion_code, &mut self.oddities);
-            let residue = Residue {
-                chain: &chain,
-                number: number.unwrap_or(0),
-                insertion_code: insertion_code.unwrap_or(b' '),
-                name: &residue_name,
-                label_chain: row.text(columns.label_chain).unwrap_or_default(),
-                label_number: if columns.label_number == columns.number[0] {
-                    None
-                } else {
-                    row.integer(columns.label_number)
-                },
-            };
-            model.enter_residue(&residue, number.is_none().then_some(&*name));
+            model.enter_residue(columns, row, &name, &mut self.oddities);
         }
-        let (element, isotope, charge) = element(columns, row, &name, &residue_name, &mut self.oddities);
+        let (element, isotope, charge) = element(columns, row, &name, &mut self.oddities);
         let mut flags = 0;
-        if columns.group != ABSENT && row.text(columns.group).is_some_and(|group| group == "HETATM") {
+        if columns.group != ABSENT && row.is(columns.group, "HETATM") == Some(true) {
             flags |= atom_flags::HETERO;
         }
         let mut altloc = b' ';
@@ -324,7 +303,7 @@ impl AtomSites {
     fn note_no_position(&mut self, columns: &Columns, row: &impl Row) {
         self.oddities.no_position.note(row.line().unwrap_or(0), || {
             let [x, y, z] = columns.position.map(|column| row.text(column).unwrap_or(Cow::Borrowed("?")).into_owned());
-            let name = either(row, columns.name[0], columns.name[1]).or_else(|| row.text(columns.label));
+            let name = either(row, columns.name).or_else(|| row.text(columns.label));
             let found = shown(format!("{x} {y} {z}").as_bytes());
             let name = shown(name.unwrap_or_default().as_bytes());
             format!("the atom {name} is left out: expected three coordinates, found `{found}`")
@@ -416,56 +395,52 @@ impl AtomSites {
     }
 }
 
-/// A residue as its row names it.
-struct Residue<'r> {
-    chain: &'r str,
-    number: i32,
-    insertion_code: u8,
-    name: &'r str,
-    label_chain: Cow<'r, str>,
-    label_number: Option<i64>,
-}
-
 impl Model {
-    /// Begins a residue unless the row belongs to the last one. `unnumbered`: the atom's name, in residues without any
-    /// number.
+    /// Begins a residue unless the row belongs to the last one.
     #[inline]
-    fn enter_residue(&mut self, residue: &Residue<'_>, unnumbered: Option<&str>) {
+    fn enter_residue<R: Row>(&mut self, columns: &Columns, row: &R, atom_name: &str, oddities: &mut Oddities) {
+        let mut insertion_code = None;
+        if columns.insertion_code != ABSENT {
+            insertion_code = row.text(columns.insertion_code).and_then(|text| code(&text));
+        }
+        let stated = residue_number(columns, row, &mut insertion_code, oddities);
+        let number = stated.unwrap_or(0);
+        let insertion_code = insertion_code.unwrap_or(b' ');
+        // Where there is but the label's, it is what is shown.
+        let own_label = columns.label_number != columns.number[0];
+        let label_number = if own_label { row.integer(columns.label_number) } else { None };
         let last = &self.last;
-        let same = last.number == residue.number
-            && last.label_number == residue.label_number
-            && last.chain == residue.chain
-            && last.name == residue.name
-            && last.label_chain == residue.label_chain
-            && last.insertion_code == residue.insertion_code
+        let same = last.number == number
+            && last.label_number == label_number
+            && last.insertion_code == insertion_code
             && self.first.is_some()
-            && (unnumbered.is_none() || last.first_atom.as_deref() != unnumbered);
+            && either_is(row, columns.chain, &last.chain)
+            && either_is(row, columns.residue_name, &last.name)
+            && either_is(row, [columns.label_chain, ABSENT], &last.label_chain)
+            && (stated.is_some() || last.first_atom.as_deref() != Some(atom_name));
         if !same {
-            self.begin_residue(residue, unnumbered);
+            let text = |columns: [Column; 2]| either(row, columns).unwrap_or_default().into_owned();
+            self.begin_residue(ResidueKey {
+                chain: text(columns.chain),
+                number,
+                insertion_code,
+                name: text(columns.residue_name),
+                label_chain: text([columns.label_chain, ABSENT]),
+                label_number,
+                first_atom: stated.is_none().then(|| atom_name.to_owned()),
+            });
         }
     }
 
     #[inline(never)]
-    fn begin_residue(&mut self, residue: &Residue<'_>, unnumbered: Option<&str>) {
-        let last = &mut self.last;
-        last.number = residue.number;
-        last.insertion_code = residue.insertion_code;
-        last.label_number = residue.label_number;
-        for (text, new) in [
-            (&mut last.chain, residue.chain),
-            (&mut last.name, residue.name),
-            (&mut last.label_chain, &*residue.label_chain),
-        ] {
-            text.clear();
-            text.push_str(new);
-        }
-        last.first_atom = unnumbered.map(str::to_owned);
-        if self.first.is_none() {
-            self.first = Some(last.clone());
-        }
+    fn begin_residue(&mut self, residue: ResidueKey) {
         let chain = self.label_names.intern(&residue.label_chain);
         self.labels.push(ResidueLabel { chain, number: residue.label_number });
-        self.builder.begin_residue(residue.chain, residue.number, residue.insertion_code, residue.name);
+        self.builder.begin_residue(&residue.chain, residue.number, residue.insertion_code, &residue.name);
+        if self.first.is_none() {
+            self.first = Some(residue.clone());
+        }
+        self.last = residue;
     }
 
     fn append(&mut self, later: Model) {
@@ -486,8 +461,14 @@ impl Model {
 
 /// The value of the first column, else of the second.
 #[inline]
-fn either<R: Row>(row: &R, first: Column, second: Column) -> Option<Cow<'_, str>> {
+fn either<R: Row>(row: &R, [first, second]: [Column; 2]) -> Option<Cow<'_, str>> {
     row.text(first).or_else(|| if second == ABSENT { None } else { row.text(second) })
+}
+
+/// Whether [`either`], empty if there is none, is this text.
+#[inline]
+fn either_is(row: &impl Row, [first, second]: [Column; 2], text: &str) -> bool {
+    row.is(first, text).or_else(|| row.is(second, text)).unwrap_or(text.is_empty())
 }
 
 /// The one character of a code.
@@ -531,18 +512,13 @@ fn odd_residue_number(
 
 /// Element, isotope and charge: by the type symbol, else by the name.
 #[inline]
-fn element(
-    columns: &Columns,
-    row: &impl Row,
-    name: &str,
-    residue_name: &str,
-    oddities: &mut Oddities,
-) -> (Element, u16, i8) {
+fn element(columns: &Columns, row: &impl Row, name: &str, oddities: &mut Oddities) -> (Element, u16, i8) {
     let symbol = row.text(columns.symbol);
     if let Some(meaning) = symbol.as_deref().and_then(type_symbol) {
         return (meaning.element, meaning.isotope, meaning.charge);
     }
-    element_by_name(columns, symbol.as_deref(), name, residue_name, row.line().unwrap_or(0), oddities)
+    let residue_name = either(row, columns.residue_name).unwrap_or_default();
+    element_by_name(columns, symbol.as_deref(), name, &residue_name, row.line().unwrap_or(0), oddities)
 }
 
 #[cold]

@@ -164,7 +164,7 @@ impl<'s> Index<'s> {
     }
 
     fn by_author(&self, end: &End) -> Vec<usize> {
-        let key = end.chain.as_deref().and_then(|chain| self.structure.names.find(chain)).zip(end.number);
+        let key = self.structure.names.find(end.chain.as_deref().unwrap_or("")).zip(end.number);
         let found = key.and_then(|key| self.by_author.get(&key)).map_or(&[][..], Vec::as_slice);
         let insertion_code = end.insertion_code.unwrap_or(b' ');
         let fits = |&at: &usize| self.structure.residues()[at].insertion_code == insertion_code && self.fits(end, at);
@@ -172,7 +172,8 @@ impl<'s> Index<'s> {
     }
 
     fn by_label(&self, end: &End) -> Vec<usize> {
-        let chain = end.label_chain.as_deref().or(end.chain.as_deref()).and_then(|chain| self.label_names.find(chain));
+        let chain = end.label_chain.as_deref().or(end.chain.as_deref()).unwrap_or("");
+        let chain = self.label_names.find(chain);
         let key = chain.map(|chain| (chain, end.label_number));
         let found = key.and_then(|key| self.by_label.get(&key)).map_or(&[][..], Vec::as_slice);
         found.iter().copied().filter(|&at| self.fits(end, at)).collect()
@@ -218,7 +219,9 @@ pub(super) fn resolve(
         for &a in &from {
             for &b in &to {
                 let [one, other] = [a, b].map(|atom| structure.altloc(atom as usize));
-                if one == other || one == b' ' || other == b' ' {
+                // What a row names itself, it means.
+                let named = link.ends.iter().all(|end| end.altloc.is_some());
+                if named || one == other || one == b' ' || other == b' ' {
                     bonds.push(Bond { kind: link.kind, ..Bond::new(a, b, link.order, BondSource::Link) });
                 }
             }

@@ -37,7 +37,7 @@ use super::{Format, Limits};
 use crate::error::{Error, Result};
 use crate::structure::Diagnostics;
 use atoms::AtomSites;
-use table::Category;
+use table::{Block, Category};
 use text::{TextBlock, TextTable, split_name};
 use token::{Token, Tokens};
 
@@ -63,7 +63,7 @@ pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnos
         }
     }
     let oddities = &reader.oddities;
-    for oddity in [&oddities.no_block, &oddities.stray, &oddities.no_value, &oddities.short_loop] {
+    for oddity in [&oddities.no_block, &oddities.stray, &oddities.no_value, &oddities.short_loop, &oddities.again] {
         oddity.warn(diagnostics);
     }
     if records.is_empty() {
@@ -88,6 +88,15 @@ struct Oddities {
     stray: Repeated,
     no_value: Repeated,
     short_loop: Repeated,
+    again: Repeated,
+}
+
+/// The category of a name in a loop. Without a dot only the tables count: `_chemical_conn_bond_type` is no item of
+/// `_chemical`.
+fn loop_category(name: &[u8]) -> Option<Category> {
+    let (category, _) = split_name(name)?;
+    let is_table = matches!(category, Category::AtomSite | Category::SymmetryEquiv | Category::SpaceGroupSymop);
+    (is_table || name.contains(&b'.')).then_some(category)
 }
 
 struct Reader<'a> {
@@ -191,7 +200,7 @@ impl<'a> Reader<'a> {
                 }
             }
         }
-        let category = names.iter().find_map(|name| split_name(name)).map(|(category, _)| category);
+        let category = names.iter().find_map(|name| loop_category(name));
         let Some(category) = category else {
             self.tokens.skip_values();
             return Ok(());
@@ -203,6 +212,12 @@ impl<'a> Reader<'a> {
         let items: Vec<&'a [u8]> = names.iter().map(item).collect();
         if category == Category::AtomSite {
             return rows::read_loop(&mut self.tokens, &items, &mut self.sites, limits, diagnostics);
+        }
+        if self.block.table(category).is_some() {
+            let message = || format!("the category _{} comes again; only the first is read", category.name());
+            self.oddities.again.note(loop_line, message);
+            self.tokens.skip_values();
+            return Ok(());
         }
         let (table, whole) = self.read_table(items);
         if !whole {
@@ -240,7 +255,11 @@ impl<'a> Reader<'a> {
     }
 
     fn finish_block(&mut self, records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
-        let sites = std::mem::replace(&mut self.sites, AtomSites::new(records.limits()));
+        let mut sites = std::mem::replace(&mut self.sites, AtomSites::new(records.limits()));
+        // A single atom may be given as items, without a loop.
+        if let Some(table) = self.block.table(Category::AtomSite).filter(|_| sites.is_empty()) {
+            sites = AtomSites::from_table(&table, records.limits())?;
+        }
         let fractional = sites.fractional;
         let before = records.len();
         let result = block::finish(&self.block, sites, records, diagnostics);

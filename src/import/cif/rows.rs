@@ -7,7 +7,7 @@
 
 use super::atoms::{AtomSites, Columns};
 use super::text::{TextRow, find_item};
-use super::token::{Token, Tokens, Value, closing_quote, is_blank, unquoted};
+use super::token::{Token, Tokens, Value, closing_quote, is_blank};
 use crate::error::{Error, Result};
 use crate::import::Limits;
 use crate::structure::Diagnostics;
@@ -82,7 +82,7 @@ impl<'a> RowReader<'_, 'a> {
         while at < text.len() {
             let end = memchr(b'\n', &text[at..]).map_or(text.len(), |length| at + length);
             // The last line of a file may have been cut; what it is the tokens tell.
-            if end == text.len() || end - at > self.limits.line_bytes || !split_row(&text[at..end], &mut self.values) {
+            if end == text.len() || end - at > self.limits.line_bytes || !split_row(text, at, end, &mut self.values) {
                 break;
             }
             sites.push(self.columns, &TextRow { values: &self.values, line: first_line + lines })?;
@@ -195,45 +195,122 @@ fn out_of_step(line: u64, width: usize) -> Error {
     Error::input(line, message)
 }
 
-/// Splits a line into values; `false` if it is not exactly one row of them and nothing else.
+/// Splits the line from `at` to `end` into values; `false` if it is not exactly one row of them and nothing else.
+///
+/// Eight bytes at a time: which of them are no blanks becomes bits, and the bits that differ from their neighbour are
+/// where values begin and end.
 #[inline]
-fn split_row<'a>(line: &'a [u8], values: &mut [Value<'a>]) -> bool {
+fn split_row<'a>(text: &'a [u8], at: usize, end: usize, values: &mut [Value<'a>]) -> bool {
+    let line = &text[at..end];
+    // Lines shorter than a word, or too near the end of the text to be taken in words.
+    if line.first() == Some(&b';') || text.len() - end < 8 {
+        return split_slowly(line, values);
+    }
+    let mut slots = values.iter_mut();
+    let mut start = 0;
+    let mut inside = 0;
+    let mut base = 0;
+    while base <= line.len() {
+        let Some(Ok(word)) = text.get(at + base..at + base + 8).map(<[u8; 8]>::try_from) else { return false };
+        let mut solid = solid_bytes(u64::from_le_bytes(word));
+        // The line's end is a blank; what lies behind it is not looked at.
+        if line.len() - base < 8 {
+            solid &= (1 << (line.len() - base)) - 1;
+        }
+        let mut edges = solid ^ (solid << 1 | inside);
+        inside = solid >> 7 & 1;
+        edges &= 0xff;
+        while edges != 0 {
+            let edge = base + edges.trailing_zeros() as usize;
+            edges &= edges - 1;
+            if start == 0 {
+                start = edge + 1; // one more, so that 0 is none
+                continue;
+            }
+            let word = &line[start - 1..edge];
+            start = 0;
+            let Some(slot) = slots.next() else { return false };
+            *slot = if IS_SPECIAL[usize::from(word[0])] {
+                match special(word) {
+                    Some(value) => value,
+                    None => return split_slowly(line, values),
+                }
+            } else {
+                Some(word)
+            };
+        }
+        base += 8;
+    }
+    slots.next().is_none()
+}
+
+/// Which of eight bytes are above the blank, a bit each.
+#[inline]
+fn solid_bytes(word: u64) -> u64 {
+    const LOW: u64 = 0x7f7f_7f7f_7f7f_7f7f;
+    // 0x7f − 0x20 added to a byte without its top bit sets that bit from 0x21 on.
+    let above = (word & LOW).wrapping_add(0x5f5f_5f5f_5f5f_5f5f) | word;
+    // The eight top bits side by side: bit 8i times 2^(7(8 − i)) is bit 56 + i, and no two of the others meet.
+    (above >> 7 & 0x0101_0101_0101_0101).wrapping_mul(0x0102_0408_1020_4080) >> 56
+}
+
+/// First bytes of what may be more than a plain value.
+static IS_SPECIAL: [bool; 256] = {
+    let mut special = [false; 256];
+    let bytes = b"_#'\".?dDlLsSgG";
+    let mut at = 0;
+    while at < bytes.len() {
+        special[bytes[at] as usize] = true;
+        at += 1;
+    }
+    special
+};
+
+/// The value of a word with a special first byte; `None` if it is none, or has blanks in its quotes.
+#[inline]
+fn special(word: &[u8]) -> Option<Value<'_>> {
+    match (word[0], word) {
+        (b'_' | b'#', _) => None,
+        (b'.' | b'?', [_]) => Some(None),
+        (quote @ (b'\'' | b'"'), [_, inner @ .., last]) if *last == quote => Some(Some(inner)),
+        (b'\'' | b'"', _) => None,
+        // `loop_`, `data_…`, `save_…`, `stop_`, `global_`.
+        _ if word.get(4) == Some(&b'_') || word.get(6) == Some(&b'_') => None,
+        _ => Some(Some(word)),
+    }
+}
+
+/// As [`split_row`], byte by byte.
+#[cold]
+fn split_slowly<'a>(line: &'a [u8], values: &mut [Value<'a>]) -> bool {
     if line.first() == Some(&b';') {
         return false;
     }
     let mut at = 0;
-    let mut count = 0;
+    let mut slots = values.iter_mut();
     loop {
         while at < line.len() && is_blank(line[at]) {
             at += 1;
         }
         if at == line.len() {
-            return count == values.len();
+            return slots.next().is_none();
         }
-        let Some(slot) = values.get_mut(count) else { return false };
+        let Some(slot) = slots.next() else { return false };
         let start = at;
-        let first = line[at];
-        match first {
-            b'_' | b'#' => return false,
-            b'\'' | b'"' => {
-                let Some(length) = closing_quote(&line[at + 1..], first) else { return false };
-                *slot = Some(&line[at + 1..at + 1 + length]);
-                at += length + 2;
-                count += 1;
-                continue;
-            }
-            _ => {}
+        if let first @ (b'\'' | b'"') = line[at] {
+            let Some(length) = closing_quote(&line[at + 1..], first) else { return false };
+            *slot = Some(&line[at + 1..at + 1 + length]);
+            at += length + 2;
+            continue;
         }
         while at < line.len() && !is_blank(line[at]) {
             at += 1;
         }
-        let word = &line[start..at];
-        // `loop_`, `data_…`, `save_…`, `stop_`; `global_` is the only other word of the language.
-        if word.len() >= 5 && (word[4] == b'_' || word.get(6) == Some(&b'_')) && first.is_ascii_alphabetic() {
-            return false;
+        match special(&line[start..at]).filter(|_| IS_SPECIAL[usize::from(line[start])]) {
+            Some(value) => *slot = value,
+            None if IS_SPECIAL[usize::from(line[start])] => return false,
+            None => *slot = Some(&line[start..at]),
         }
-        *slot = if word.len() == 1 { unquoted(word) } else { Some(word) };
-        count += 1;
     }
 }
 

@@ -122,6 +122,11 @@ impl Row for TextRow<'_, '_> {
         parse_i64(text).or_else(|| whole(text))
     }
 
+    #[inline]
+    fn is(&self, column: Column, text: &str) -> Option<bool> {
+        self.bytes(column).map(|value| value == text.as_bytes())
+    }
+
     fn line(&self) -> Option<u64> {
         Some(self.line)
     }

@@ -208,11 +208,11 @@ mod tests {
 
     #[test]
     fn every_kind_of_token_is_told() {
-        let text = "data_x # comment 'a\n_a 'it''s O5' x' _b \"#1\"\r\nloop_\n\t_c.d\n. ? '.' \"?\"\nSAVE_f save_ Global_ stop_";
+        let text = "data_x # comment 'a\n_a \"it's O5' x\" _b \"#1\"\r\nloop_\n\t_c.d\n. ? '.' \"?\"\nSAVE_f save_ Global_ stop_";
         let want = [
             "1:data x",
             "2:_a",
-            "2:=it''s O5' x",
+            "2:=it's O5' x",
             "2:_b",
             "2:=#1",
             "3:loop",

@@ -3,11 +3,12 @@
 //! Keys of an atom: `element` (symbol or atomic number, required), `position` ([x, y, z] in ångström, required;
 //! `location` in imolecule); optional `name` (or `label`), `charge` (formal), `partial_charge`, `isotope` (mass number),
 //! `radical` (0–3 as in MDL files), `serial`, `residue`, `residue_number`, `insertion_code`, `chain`, `altloc`,
-//! `occupancy`, `b_factor`, `hetero` (true for HETATM), `particle` (true for dummies, lone pairs, extra points).
+//! `occupancy`, `b_factor`, `hetero` (true for HETATM), `particle` (true for dummies, lone pairs, extra points;
+//! without it what the element says).
 //!
 //! Keys of a bond: `atoms` ([i, j], counted from 0, required); optional `order` (0–4; 1.5 is aromatic; without it the
 //! order is unknown), `kind` (covalent, coordination, dative, hydrogen), `aromatic`, `source` (file, link, dictionary,
-//! distance).
+//! distance), `image` ([h, k, l], the cell vectors to add to atom j; [0, 0, 0]).
 
 use super::super::is_plausible;
 use super::super::number::decimals_of;
@@ -180,6 +181,7 @@ pub(super) struct JsonBond<'a> {
     #[serde(borrow)]
     kind: Option<Cow<'a, str>>,
     aromatic: Option<bool>,
+    image: Option<[i8; 3]>,
     #[serde(borrow)]
     source: Option<Cow<'a, str>>,
 }
@@ -189,6 +191,7 @@ impl JsonBond<'_> {
     pub(super) fn bond(&self, index: usize, diagnostics: &mut Diagnostics) -> Bond {
         let mut bond = bond_of_order(self.order);
         bond.aromatic |= self.aromatic == Some(true);
+        bond.image = self.image.unwrap_or_default();
         let odd = |what: &str, text: &str| {
             let text: String = text.chars().take(20).collect();
             format!("bond {index}: the {what} `{text}` is not known and ignored")

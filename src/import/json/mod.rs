@@ -1,24 +1,31 @@
-//! JSON in three dialects, told apart by what is in them:
+//! JSON in six dialects, told apart by what is in them:
 //!
 //! - our own (`json`): `{"atoms":[{"element":"C","position":[x,y,z], …}], "bonds":[{"atoms":[i,j],"order":1, …}]}`,
-//!   described in [`list`];
+//!   described in [`list`] and, as a JSON Schema, in `data/ballstick.schema.json`;
 //! - imolecule (`imolecule`), the format of <https://github.com/patrickfuller/imolecule>: the same with `location` in
 //!   place of `position` and `unitcell` as three vectors;
-//! - Chemical JSON (`cjson`), as Avogadro 1.9x/2 writes it (versions 0 and 1): columns of numbers, described in [`columns`].
+//! - Chemical JSON (`cjson`), as Avogadro 1.9x/2 writes it (versions 0 and 1): columns of numbers, described in [`columns`];
+//! - QCSchema (`qcschema`, [`qcschema`]), PubChem's compounds (`pubchem`, [`pubchem`]), ChemDoodle (`chemdoodle`, [`chemdoodle`]).
 //!
 //! Unknown keys are ignored. A `bonds` key, even with an empty list, is the complete list of bonds; without the key
-//! all bonds are to be found. A file is one record; several coordinate sets of Chemical JSON are its frames.
+//! all bonds are to be found. A file is one record, in PubChem's and ChemDoodle's forms one a molecule; several coordinate
+//! sets and conformers are frames.
 //!
 //! JSON is read straight into a structure, never into a tree of values. What is no JSON, and what contradicts itself
 //! (coordinates that are not three an atom), is an error with its line; bonds that cannot be are left out.
 
+mod chemdoodle;
 mod columns;
 mod list;
+mod pubchem;
+mod qcschema;
 
 use super::collect::Records;
 use super::{Format, Limits};
 use crate::error::{Error, Result};
-use crate::structure::{Bond, BondKind, BondOrder, BondSource, Cell, Diagnostics, StatedBonds, StructureBuilder};
+use crate::structure::{
+    Bond, BondKind, BondOrder, BondSource, BondStereo, Cell, Diagnostics, StatedBonds, StructureBuilder,
+};
 use glam::DVec3;
 use serde::Deserialize;
 use serde::de::{Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor, value::MapAccessDeserializer};
@@ -48,11 +55,13 @@ pub(super) fn read(
             let cell = root.unit_cell.as_ref().and_then(JsonCell::cell);
             (Format::ChemicalJson, columns.build(cell, root.partial_charges, diagnostics)?)
         }
-        None => return Err(no_atoms(&root)),
+        None => {
+            let format = read_other(text, &root, records, diagnostics)?;
+            warn_of_wish(wanted, format, diagnostics);
+            return Ok(format);
+        }
     };
-    if let Some(wanted) = wanted.filter(|&wanted| wanted != format) {
-        diagnostics.warn(None, format!("{wanted} was asked for, but the file is {format} and is read as that"));
-    }
+    warn_of_wish(wanted, format, diagnostics);
     let title = root.title.or(root.name).or(root.properties.and_then(|properties| properties.name));
     if let Some(Text::Text(title)) = title {
         builder.set_title(title);
@@ -89,23 +98,74 @@ struct Root<'a> {
     partial_charges: Option<columns::PartialCharges>,
     /// ChemDoodle.
     m: Option<IgnoredAny>,
-    #[serde(rename = "PC_Compounds")]
+    a: Option<IgnoredAny>,
+    #[serde(rename = "PC_Compounds", alias = "PC_Substances")]
     pubchem: Option<IgnoredAny>,
     /// QCSchema.
     schema_name: Option<IgnoredAny>,
     symbols: Option<IgnoredAny>,
+    molecule: Option<IgnoredAny>,
 }
 
-fn no_atoms(root: &Root<'_>) -> Error {
-    let known = [
-        (root.m.is_some(), "ChemDoodle JSON"),
-        (root.pubchem.is_some(), "PubChem JSON"),
-        (root.schema_name.is_some() || root.symbols.is_some(), "QCSchema JSON"),
-    ];
-    match known.iter().find(|(found, _)| *found) {
-        Some((_, name)) => Error::Unsupported(format!("this is {name}, which is not read yet")),
-        None => Error::input(None, "the JSON has no `atoms`: it is no molecule in a form that is known"),
+fn warn_of_wish(wanted: Option<Format>, format: Format, diagnostics: &mut Diagnostics) {
+    if let Some(wanted) = wanted.filter(|&wanted| wanted != format) {
+        diagnostics.warn(None, format!("{wanted} was asked for, but the file is {format} and is read as that"));
     }
+}
+
+/// The dialects without `atoms`, by a second walk over the text.
+fn read_other(text: &[u8], root: &Root<'_>, records: &mut Records, diagnostics: &mut Diagnostics) -> Result<Format> {
+    fn parse<'de, T: Deserialize<'de>>(text: &'de [u8]) -> Result<T> {
+        serde_json::from_slice(text).map_err(|error| json_error(&error))
+    }
+    if root.pubchem.is_some() {
+        for (index, compound) in parse::<pubchem::Root>(text)?.compounds().enumerate() {
+            records.check_atoms(compound.atom_count(), 1)?;
+            push_record(compound.build(diagnostics), index, records, diagnostics)?;
+        }
+        return none_is_an_error(Format::PubChemJson, records);
+    }
+    if root.m.is_some() || root.a.is_some() {
+        for (index, molecule) in parse::<chemdoodle::Root>(text)?.molecules().enumerate() {
+            records.check_atoms(molecule.atom_count(), 1)?;
+            push_record(molecule.build(diagnostics), index, records, diagnostics)?;
+        }
+        return none_is_an_error(Format::ChemDoodleJson, records);
+    }
+    if root.schema_name.is_some() || root.symbols.is_some() || root.molecule.is_some() {
+        let builder = match root.symbols {
+            Some(_) => parse::<qcschema::Molecule>(text)?.build(diagnostics)?,
+            None => parse::<qcschema::Root>(text)?.build(diagnostics)?,
+        };
+        records.check_atoms(builder.atom_count(), 1)?;
+        records.push(builder.build(diagnostics));
+        return Ok(Format::QcSchema);
+    }
+    Err(Error::input(None, "the JSON has no `atoms`: it is no molecule in a form that is known"))
+}
+
+/// Adds one of several records; a bad one is an error only where it is the first.
+fn push_record(
+    built: Result<StructureBuilder>,
+    index: usize,
+    records: &mut Records,
+    diagnostics: &mut Diagnostics,
+) -> Result<()> {
+    match built {
+        Ok(builder) => records.push(builder.build(diagnostics)),
+        Err(Error::Input { message, .. }) if index > 0 => {
+            diagnostics.error(None, format!("molecule {} is left out: {message}", index + 1));
+        }
+        Err(error) => return Err(error),
+    }
+    Ok(())
+}
+
+fn none_is_an_error(format: Format, records: &Records) -> Result<Format> {
+    if records.is_empty() {
+        return Err(Error::input(None, format!("the {format} JSON holds no molecule with atoms")));
+    }
+    Ok(format)
 }
 
 #[derive(Deserialize)]
@@ -245,32 +305,57 @@ impl<'de> Deserialize<'de> for JsonCell {
 }
 
 fn push_bonds(builder: &mut StructureBuilder, bonds: Bonds<'_>, diagnostics: &mut Diagnostics) {
+    let pairs: Vec<PairBond> = match bonds {
+        Bonds::List(list) => (list.iter().enumerate())
+            .map(|(index, bond)| PairBond::new(bond.atoms, bond.bond(index, diagnostics)))
+            .collect(),
+        Bonds::Columns(columns) => (columns.bonds(diagnostics).into_iter())
+            .map(|(atoms, order)| PairBond::new(atoms, bond_of_order(order)))
+            .collect(),
+    };
+    push_pairs(builder, pairs, diagnostics);
+}
+
+/// A bond whose atoms are still to be checked.
+struct PairBond {
+    atoms: [i64; 2],
+    /// What it is; its own atoms say nothing yet.
+    bond: Bond,
+    /// A stereo mark, from the first atom on.
+    stereo: Option<BondStereo>,
+}
+
+impl PairBond {
+    fn new(atoms: [i64; 2], bond: Bond) -> PairBond {
+        PairBond { atoms, bond, stereo: None }
+    }
+}
+
+/// Adds bonds, with a message for each that cannot be or is there already.
+fn push_pairs(
+    builder: &mut StructureBuilder,
+    pairs: impl IntoIterator<Item = PairBond>,
+    diagnostics: &mut Diagnostics,
+) {
     let count = builder.atom_count();
     let mut seen = std::collections::HashSet::new();
-    let mut push = |index: usize, [a, b]: [i64; 2], bond: Bond, diagnostics: &mut Diagnostics| {
+    for (index, PairBond { atoms: [a, b], bond, stereo }) in pairs.into_iter().enumerate() {
         let atom = |atom: i64| u32::try_from(atom).ok().filter(|&atom| (atom as usize) < count);
-        let (Some(first), Some(second)) = (atom(a).filter(|_| a != b), atom(b)) else {
+        let (Some(first), Some(second)) = (atom(a).filter(|_| a != b || bond.is_periodic()), atom(b)) else {
             let message = format!(
                 "bond {index} is left out: there is no pair of atoms {a}, {b} (the {count} atoms count from 0)"
             );
-            return diagnostics.error(None, message);
+            diagnostics.error(None, message);
+            continue;
         };
-        if !seen.insert((first.min(second), first.max(second))) {
+        let bond = Bond { a: first, b: second, ..bond }.turned();
+        if !seen.insert(bond.key()) {
             diagnostics
                 .warn(None, format!("bond {index} between atoms {a} and {b} is listed before; that one is used"));
         }
-        builder.push_bond(Bond { a: first.min(second), b: first.max(second), ..bond });
-    };
-    match bonds {
-        Bonds::List(list) => {
-            for (index, bond) in list.iter().enumerate() {
-                push(index, bond.atoms, bond.bond(index, diagnostics), diagnostics);
-            }
-        }
-        Bonds::Columns(columns) => {
-            for (index, (atoms, order)) in columns.bonds(diagnostics).into_iter().enumerate() {
-                push(index, atoms, bond_of_order(order), diagnostics);
-            }
+        builder.push_bond(bond);
+        if let Some(stereo) = stereo {
+            builder.push_bond_stereo(first, second, stereo);
         }
     }
 }

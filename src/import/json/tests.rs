@@ -1,7 +1,9 @@
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::import::{Document, Format, ImportOptions, read_bytes};
-use crate::structure::{BondKind, BondOrder, BondSource, Severity, StatedBonds, Structure, atom_flags};
+use crate::structure::{
+    BondKind, BondOrder, BondSource, BondStereo, Severity, StatedBonds, StereoMark, Structure, atom_flags,
+};
 
 fn read(text: &str) -> Result<Document> {
     read_bytes(text.as_bytes(), "", &ImportOptions::default())
@@ -114,11 +116,74 @@ fn depth_is_limited_with_its_line() {
 }
 
 #[test]
-fn other_dialects_are_named() {
-    for (text, name) in
-        [("{\"m\": []}", "ChemDoodle"), ("{\"PC_Compounds\": []}", "PubChem"), ("{\"symbols\": []}", "QCSchema")]
-    {
-        let error = read(text).unwrap_err();
-        assert!(matches!(&error, Error::Unsupported(message) if message.contains(name)), "{error}");
+fn bonds_go_to_periodic_images() {
+    let text = r#"{"atoms": [{"element": "Na", "position": [0, 0, 0]}, {"element": "Cl", "position": [2, 0, 0]}],
+        "cell": {"a": 4, "b": 4, "c": 4},
+        "bonds": [{"atoms": [0, 1]}, {"atoms": [1, 0], "image": [1, 0, 0]}, {"atoms": [0, 0], "image": [0, -1, 0]}]}"#;
+    let molecule = one(text);
+    let keys: Vec<_> = molecule.bonds().iter().map(crate::structure::Bond::key).collect();
+    assert_eq!(keys, [(0, 0, [0, 1, 0]), (0, 1, [-1, 0, 0]), (0, 1, [0, 0, 0])]);
+}
+
+#[test]
+fn qcschema_is_read_in_bohr() {
+    let molecule = r#"{"symbols": ["O", "H", "H", "He"], "geometry": [0, 0, 0, 2, 0, 0, 0, 2, 0, 9, 9, 9],
+        "connectivity": [[0, 1, 1.0], [0, 2, 1.5]], "real": [true, true, true, false], "mass_numbers": [16, 2, 1, 4],
+        "atom_labels": ["", "a", "", ""], "molecular_charge": -1.0, "name": "water"}"#;
+    for text in [molecule.to_owned(), format!("{{\"schema_name\": \"qcschema_input\", \"molecule\": {molecule}}}")] {
+        let document = read(&text).unwrap();
+        assert_eq!((document.format, document.diagnostics.len()), (Format::QcSchema, 0));
+        let water = &document.records[0];
+        assert!((water.positions().get(1).x - 1.058_354_421_088).abs() < 1e-12);
+        assert_eq!((0..4).map(|atom| water.isotope(atom)).collect::<Vec<_>>(), [0, 2, 0, 0]);
+        assert_eq!((water.flags(3), water.elements()[3]), (atom_flags::PARTICLE, Element::DUMMY));
+        assert_eq!((water.atom_name(1), water.title()), ("Ha", "water"));
+        assert!(water.bonds().len() == 2 && water.bonds()[1].aromatic);
+        assert_eq!(water.properties(), [("molecular_charge".to_owned(), "-1".to_owned())]);
     }
+    let nested =
+        read(r#"{"symbols": ["H", "H"], "geometry": [[0, 0, 0], [0, 0, 1.4]], "connectivity": null}"#).unwrap();
+    assert_eq!(nested.records[0].stated_bonds(), StatedBonds::None);
+    assert!(read(r#"{"symbols": ["H"], "geometry": [0, 0]}"#).is_err());
+}
+
+#[test]
+fn pubchem_compounds_are_records_and_conformers_frames() {
+    let text = r#"{"PC_Compounds": [{"id": {"id": {"cid": 7}}, "atoms": {"aid": [3, 1, 2], "element": [6, 8, 255],
+        "charge": [{"aid": 1, "value": -1}], "isotope": [{"aid": 3, "value": 13}], "radical": [{"aid": 3, "type": 2}]},
+        "bonds": {"aid1": [1, 3], "aid2": [3, 2], "order": [2, 6]},
+        "coords": [{"type": [1, 5], "aid": [1, 2, 3], "conformers": [{"x": [9, 9, 9], "y": [9, 9, 9]}]},
+        {"type": [2, 5], "aid": [1, 2, 3], "conformers": [
+        {"x": [1, 2, 3.25], "y": [0, 0, 0], "z": [0, 0, 0], "style": {"annotation": [5, 8], "aid1": [3, 1], "aid2": [1, 3]}},
+        {"x": [4, 5, 6], "y": [0, 0, 0], "z": [0, 0, 1]}]}],
+        "props": [{"urn": {"label": "IUPAC Name", "name": "Preferred"}, "value": {"sval": "oxo"}},
+        {"urn": {"label": "Weight"}, "value": {"fval": 1.5}}]}, {"atoms": {"aid": [1], "element": [6]}, "coords": []}]}"#;
+    let document = read(text).unwrap();
+    assert_eq!((document.format, document.records.len(), document.frame_count()), (Format::PubChemJson, 1, 2));
+    assert_eq!(document.diagnostics[0].severity, Severity::Error);
+    let molecule = &document.records[0];
+    assert_eq!(molecule.elements(), [Element::C, Element::O, Element::DUMMY]);
+    assert_eq!((molecule.positions().get(0).x, molecule.frames()[1].positions.get(0).x), (3.25, 6.0));
+    assert_eq!((molecule.formal_charge(1), molecule.isotope(0), molecule.radical(0)), (-1, 13, 2));
+    assert_eq!((molecule.title(), molecule.properties().len()), ("oxo", 3));
+    let [double, complex] = molecule.bonds() else { panic!("two bonds expected") };
+    assert!(double.aromatic && double.order == BondOrder::Double && complex.kind == BondKind::Coordination);
+    assert_eq!(molecule.bond_stereo(), [StereoMark { bond: 0, from: 0, stereo: BondStereo::Up }]);
+}
+
+#[test]
+fn chemdoodle_drawings_are_scaled_and_models_are_not() {
+    let drawing = r#"{"m": [{"a": [{"x": 0, "y": 0}, {"l": "O", "x": 20, "y": 20, "c": -1, "r": 1, "m": 18}],
+        "b": [{"b": 0, "e": 1, "o": 2, "s": "ambiguous"}]}, {"a": []}, {"a": [{"l": "N", "x": 1, "y": 2, "z": 3}]}]}"#;
+    let document = read(drawing).unwrap();
+    assert_eq!((document.format, document.records.len()), (Format::ChemDoodleJson, 2));
+    let [flat, model] = document.records.as_slice() else { panic!("two records expected") };
+    assert_eq!(flat.elements(), [Element::C, Element::O]);
+    assert!((flat.positions().get(1).length() - 1.5).abs() < 1e-12 && flat.positions().get(1).y < 0.0);
+    assert_eq!((flat.formal_charge(1), flat.radical(1), flat.isotope(1)), (-1, 2, 18));
+    assert_eq!(flat.bond_stereo()[0].stereo, BondStereo::CisTransEither);
+    assert_eq!(model.positions().get(0).to_array(), [1.0, 2.0, 3.0]);
+    let bare = one(r#"{"a": [{"x": 0, "y": 0}, {"x": 1.5, "y": 0}], "b": [{"b": 0, "e": 1}]}"#);
+    assert_eq!((bare.positions().get(1).x, bare.bonds()[0].order), (1.5, BondOrder::Single));
+    assert!(read(r#"{"m": []}"#).is_err());
 }

@@ -29,7 +29,7 @@ use super::collect::Records;
 use super::number::{parse_f64, parse_i64};
 use super::text::{Repeated, columns, field, lossy, shown};
 use crate::error::{Error, Result};
-use crate::structure::{Cell, Diagnostics, SecondaryElement, StatedBonds, StructureBuilder};
+use crate::structure::{Cell, Diagnostics, SecondaryElement, StatedBonds, StructureBuilder, Symmetry};
 use atoms::{AtomReader, Numbers};
 use bonds::{Budget, Conect, Link, LinkEnd, Serial};
 use chunks::{Event, Most, Scan};
@@ -209,6 +209,7 @@ struct Reader {
     model_number: Option<i64>,
     title: String,
     cell: Option<Cell>,
+    space_group: String,
     /// CONECT of the model being read.
     conects: Vec<Conect>,
     /// CONECT of all models of the entry.
@@ -234,6 +235,7 @@ impl Reader {
             model_number: None,
             title: String::new(),
             cell: None,
+            space_group: String::new(),
             conects: Vec::new(),
             entry_conects: Vec::new(),
             links: Vec::new(),
@@ -360,6 +362,7 @@ impl Reader {
         if self.cell.is_none() {
             diagnostics.warn(Some(number), format!("CRYST1 {a} {b} {c} {alpha} {beta} {gamma} spans no cell"));
         }
+        self.space_group = lossy(field(line, 55, 66)).into_owned();
     }
 
     fn conect(&mut self, line: &[u8], number: u64) {
@@ -406,6 +409,10 @@ impl Reader {
         builder.set_decimals(self.decimals);
         builder.set_title(self.title.clone());
         builder.set_cell(self.cell);
+        if self.cell.is_some() && !self.space_group.is_empty() {
+            let space_group = self.space_group.clone();
+            builder.set_symmetry(Some(Symmetry { space_group, operations: Vec::new() }));
+        }
         // Every record gets its copy, so that the number of copies is bounded, too.
         if self.copies.spend(self.secondary.len()) {
             for element in &self.secondary {

@@ -1,6 +1,7 @@
-//! MDL MOL and SD files, V2000.
+//! MDL MOL and SD files, V2000 and V3000, each record in its own version.
 //!
-//! Specification: BIOVIA, "CTfile Formats" (2020): the V2000 connection table, its property block, and SD data items.
+//! Specification: BIOVIA, "CTfile Formats" (2020): the V2000 connection table and its property block ([`molfile`]), the
+//! V3000 table ([`v3000`]), and SD data items.
 //!
 //! Accepted beyond it: counts and atom lines whose fields are separated by blanks but not in their columns; a header
 //! with lines too many or too few (the counts line is known by its version tag); no-break spaces; a missing version
@@ -10,10 +11,11 @@
 //! is coordination as CDK and ChEBI write it; 9 is dative, 10 a hydrogen bond (V3000's meaning of the numbers).
 //! Query atoms, R-groups and lone pairs are kept as particles. The list is complete: no bond is to be added to it.
 //!
-//! A record that is not sound is left out with an error and the others are read. V3000 is refused by name. Sgroups,
-//! atom lists, parities, reaction fields and 3D features are passed over.
+//! A record that is not sound is left out with an error and the others are read. Sgroups, the members of atom lists,
+//! parities, collections, reaction fields, R-groups' own tables and 3D features are passed over.
 
 mod molfile;
+mod v3000;
 
 use super::collect::Records;
 use super::text::{Lines, columns, is_blank_line};

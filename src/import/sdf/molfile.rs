@@ -5,7 +5,7 @@ use super::super::is_plausible;
 use super::super::number::{parse_f64, parse_i64};
 use super::super::symbol::{Label, LabelKind, read_label};
 use super::super::text::{Repeated, columns, field, lossy, shown, words};
-use super::is_counts_line;
+use super::{is_counts_line, v3000};
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::structure::{
@@ -35,16 +35,21 @@ pub(super) fn read(
     let Some(&counts_line) = lines.get(counts_index) else {
         return Err(Error::input(number(lines.len()), "the record ends before its counts line (its fourth line)"));
     };
+    let mut table = Table::default();
+    table.builder.set_stated_bonds(StatedBonds::Complete);
+    let title = counts_index.checked_sub(3).and_then(|index| lines.get(index)).copied().unwrap_or_default();
+    table.builder.set_title(lossy(title.trim_ascii()));
+    if says_v3000(counts_line) {
+        let next = v3000::read(&mut table, lines, counts_index + 1, first_line, records)?;
+        table.data_items(lines.get(next..).unwrap_or_default());
+        return Ok(table.finish(diagnostics));
+    }
     let (atom_count, bond_count) = read_counts(counts_line, number(counts_index))?;
     records.check_atoms(atom_count, number(counts_index))?;
     if atom_count == 0 {
         return Err(Error::input(number(counts_index), "the molecule has 0 atoms"));
     }
 
-    let mut table = Table::default();
-    table.builder.set_stated_bonds(StatedBonds::Complete);
-    let title = counts_index.checked_sub(3).and_then(|index| lines.get(index)).copied().unwrap_or_default();
-    table.builder.set_title(lossy(title.trim_ascii()));
     let mut next = counts_index + 1;
     for index in 0..atom_count {
         let Some(line) = lines.get(next) else {
@@ -75,13 +80,15 @@ fn find_counts(lines: &[&[u8]]) -> usize {
     lines.iter().take(12).position(|line| is_counts_line(line)).unwrap_or(3)
 }
 
+/// Whether the counts line hands over to a V3000 table.
+fn says_v3000(line: &[u8]) -> bool {
+    let cleaned = without_no_break_spaces(line);
+    cleaned.as_deref().unwrap_or(line).trim_ascii().ends_with(b"V3000")
+}
+
 fn read_counts(line: &[u8], number: u64) -> Result<(usize, usize)> {
     let cleaned = without_no_break_spaces(line);
     let line = cleaned.as_deref().unwrap_or(line);
-    if line.trim_ascii().ends_with(b"V3000") {
-        let message = "MOL and SD files of version V3000 are not read yet; save the molecule as V2000";
-        return Err(Error::Unsupported(message.to_owned()));
-    }
     let count = |text: &[u8]| parse_i64(text).and_then(|count| usize::try_from(count).ok());
     let in_columns = match (count(field(line, 0, 3)), field(line, 3, 6)) {
         (Some(atoms), b"") => Some((atoms, 0)),
@@ -102,14 +109,14 @@ fn read_counts(line: &[u8], number: u64) -> Result<(usize, usize)> {
 
 /// A connection table being read.
 #[derive(Debug, Default)]
-struct Table {
-    builder: StructureBuilder,
+pub(super) struct Table {
+    pub(super) builder: StructureBuilder,
     decimals: u8,
     /// Charges and radicals, or isotopes, of the atom block are superseded.
     charges_replaced: bool,
     isotopes_replaced: bool,
     unknown: Repeated,
-    odd_field: Repeated,
+    pub(super) odd_field: Repeated,
     bad_bond: Repeated,
     bad_property: Repeated,
     pairs: Vec<(u32, u32)>,
@@ -122,15 +129,7 @@ impl Table {
             let message = format!("expected an atom (x, y, z in ten columns each, symbol), found `{}`", shown(line));
             return Err(Error::input(number, message));
         };
-        if !is_plausible(position) {
-            return Err(Error::input(number, format!("the position {position} cannot be used")));
-        }
-        self.decimals = self.decimals.max(decimals);
         let label = read_symbol(symbol);
-        if label.kind == LabelKind::Unknown {
-            self.unknown.note(number, || format!("`{}` is no element symbol; kept without an element", shown(symbol)));
-        }
-        let name = lossy(symbol);
         let mass_difference = self.small_number(field(line, 34, 36), number);
         let charge_code = self.small_number(field(line, 36, 39), number);
         let isotope = match mass_difference {
@@ -146,14 +145,36 @@ impl Table {
             5..=7 => (4 - charge_code as i8, 0),
             _ => (0, 0),
         };
+        let stated = Stated { isotope, formal_charge, radical };
+        self.push_atom(symbol, label, position, decimals, stated, number)
+    }
+
+    /// Adds an atom.
+    pub(super) fn push_atom(
+        &mut self,
+        symbol: &[u8],
+        label: Label,
+        position: DVec3,
+        decimals: u8,
+        stated: Stated,
+        number: u64,
+    ) -> Result<()> {
+        if !is_plausible(position) {
+            return Err(Error::input(number, format!("the position {position} cannot be used")));
+        }
+        self.decimals = self.decimals.max(decimals);
+        if label.kind == LabelKind::Unknown {
+            self.unknown.note(number, || format!("`{}` is no element symbol; kept without an element", shown(symbol)));
+        }
+        let name = lossy(symbol);
         self.builder.push_atom(&AtomRecord {
             element: label.element,
             position,
             name: if label.element == Element::DUMMY { &name } else { "" },
             flags: if label.particle { atom_flags::PARTICLE } else { 0 },
-            isotope,
-            formal_charge,
-            radical,
+            isotope: stated.isotope,
+            formal_charge: stated.formal_charge,
+            radical: stated.radical,
             ..AtomRecord::default()
         });
         Ok(())
@@ -186,11 +207,28 @@ impl Table {
         let index = |atom: i64| {
             usize::try_from(atom).ok().filter(|atom| (1..=count).contains(atom)).map(|atom| (atom - 1) as u32)
         };
-        let (Some(a), Some(b)) = (index(a).filter(|_| a != b), index(b)) else {
-            self.bad_bond
-                .note(number, || format!("a bond between atoms {a} and {b} of {count} cannot be; it is left out"));
-            return Ok(());
+        let stereo = match parse_i64(field(line, 9, 12)) {
+            Some(1) => Some(BondStereo::Up),
+            Some(6) => Some(BondStereo::Down),
+            Some(4) => Some(BondStereo::Either),
+            Some(3) if kind == 2 => Some(BondStereo::CisTransEither),
+            _ => None,
         };
+        match (index(a).filter(|_| a != b), index(b)) {
+            (Some(a), Some(b)) => self.push_bond([a, b], kind, stereo, number),
+            _ => self.refuse_bond([a, b], number),
+        }
+        Ok(())
+    }
+
+    /// Notes that a bond names atoms that are not there.
+    pub(super) fn refuse_bond(&mut self, [a, b]: [i64; 2], number: u64) {
+        let count = self.builder.atom_count();
+        self.bad_bond.note(number, || format!("a bond between atoms {a} and {b} of {count} cannot be; it is left out"));
+    }
+
+    /// Adds a bond of a type, 1 to 10.
+    pub(super) fn push_bond(&mut self, [a, b]: [u32; 2], kind: i64, stereo: Option<BondStereo>, number: u64) {
         let metal = [a, b].iter().any(|&atom| self.builder.elements()[atom as usize].is_metal());
         let (order, kind, aromatic) = match kind {
             1..=3 => (BondOrder::from_number(kind as u32), BondKind::Covalent, false),
@@ -206,16 +244,17 @@ impl Table {
             }
         };
         self.pairs.push((a.min(b), a.max(b)));
-        self.builder.push_bond(Bond { order, kind, aromatic, ..Bond::new(a, b, order, BondSource::File) });
-        let stereo = match parse_i64(field(line, 9, 12)) {
-            Some(1) => BondStereo::Up,
-            Some(6) => BondStereo::Down,
-            Some(4) => BondStereo::Either,
-            Some(3) if order == BondOrder::Double => BondStereo::CisTransEither,
-            _ => return Ok(()),
-        };
-        self.builder.push_bond_stereo(a, b, stereo);
-        Ok(())
+        self.builder.push_bond(Bond { kind, aromatic, ..Bond::new(a, b, order, BondSource::File) });
+        if let Some(stereo) = stereo {
+            self.builder.push_bond_stereo(a, b, stereo);
+        }
+    }
+
+    /// Adds a bond between a metal and one atom of a ligand that it binds as a whole.
+    pub(super) fn push_coordination(&mut self, a: u32, b: u32) {
+        self.pairs.push((a.min(b), a.max(b)));
+        let bond = Bond::new(a, b, BondOrder::Unknown, BondSource::File);
+        self.builder.push_bond(Bond { kind: BondKind::Coordination, ..bond });
     }
 
     /// The property block; returns the index of the line behind it.
@@ -331,6 +370,14 @@ impl Table {
     }
 }
 
+/// What a table says of an atom beside symbol and position.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Stated {
+    pub(super) isotope: u16,
+    pub(super) formal_charge: i8,
+    pub(super) radical: u8,
+}
+
 type AtomFields<'a> = (DVec3, u8, &'a [u8]);
 
 fn atom_in_columns(line: &[u8]) -> Option<AtomFields<'_>> {
@@ -350,7 +397,7 @@ fn atom_by_words(line: &[u8]) -> Option<AtomFields<'_>> {
 }
 
 /// The element of a symbol; query atoms, R-groups, lone pairs and polymer beads are particles.
-fn read_symbol(symbol: &[u8]) -> Label {
+pub(super) fn read_symbol(symbol: &[u8]) -> Label {
     let query: [&[u8]; 16] =
         [b"A", b"Q", b"X", b"M", b"L", b"LP", b"*", b"R", b"R#", b"AH", b"QH", b"XH", b"MH", b"Pol", b"Mod", b"Du"];
     let group = |symbol: &[u8]| symbol.len() > 1 && symbol[0] == b'R' && symbol[1..].iter().all(u8::is_ascii_digit);

@@ -1,7 +1,7 @@
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::import::{Document, Format, ImportOptions, read_bytes};
-use crate::structure::{BondKind, BondOrder, BondStereo, Severity, StatedBonds, Structure, atom_flags};
+use crate::structure::{BondKind, BondOrder, BondStereo, Severity, StatedBonds, StereoMark, Structure, atom_flags};
 
 fn read(text: &str) -> Result<Document> {
     read_bytes(text.as_bytes(), "a.sdf", &ImportOptions { format: Some(Format::Sdf), ..ImportOptions::default() })
@@ -38,7 +38,7 @@ fn a_record_is_read_with_its_data() {
     assert_eq!(molecule.positions().written(2).to_array(), [2.0, 0.5, -0.25]);
     assert_eq!(molecule.formal_charge(1), -1);
     assert_eq!(molecule.bonds().iter().map(|bond| bond.order.number()).collect::<Vec<_>>(), [2, 1]);
-    assert_eq!(molecule.bond_stereo(), [(1, BondStereo::Up)]);
+    assert_eq!(molecule.bond_stereo(), [StereoMark { bond: 1, from: 0, stereo: BondStereo::Up }]);
     assert_eq!(molecule.stated_bonds(), StatedBonds::Complete);
     let properties: Vec<_> = molecule.properties().iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
     assert_eq!(properties, [("A NAME", "line 1\nline 2"), ("MELTING.POINT", "179.0"), ("EMPTY", "")]);
@@ -132,9 +132,91 @@ fn an_alias_is_no_property() {
     assert_eq!(one(&text).formal_charge(0), 1);
 }
 
+/// A V3000 record of ATOM and BOND lines, with more behind the bonds.
+fn v3000(atoms: &[&str], bonds: &[&str], more: &str) -> String {
+    let mut text = format!(
+        "name\n prog\n\n  0  0  0     0  0            999 V3000\nM  V30 BEGIN CTAB\nM  V30 COUNTS {} {} 0 0 0\n",
+        atoms.len(),
+        bonds.len()
+    );
+    text += "M  V30 BEGIN ATOM\n";
+    for atom in atoms {
+        text += &format!("M  V30 {atom}\n");
+    }
+    text += "M  V30 END ATOM\nM  V30 BEGIN BOND\n";
+    for bond in bonds {
+        text += &format!("M  V30 {bond}\n");
+    }
+    text + "M  V30 END BOND\n" + more + "M  V30 END CTAB\nM  END\n"
+}
+
 #[test]
-fn v3000_is_refused_by_name() {
-    let text = "a\nb\nc\n  0  0  0     0  0            999 V3000\nM  V30 BEGIN CTAB\n";
-    let error = read(text).unwrap_err();
-    assert!(matches!(&error, Error::Unsupported(message) if message.contains("V3000")), "{error}");
+fn a_v3000_record_is_read_with_its_keys_and_continuations() {
+    let atoms = [
+        "1 C 0.5 -1 2.125 0 CHG=-1 RAD=2 MASS=13 CFG=1",
+        "2 \"NOT[N,O]\" 1 0 0 0",
+        "3 [N, O] 2 0 0 0",
+        "9 O 3 0 -\nM  V30 0 0 CHG=-\nM  V30 1",
+        "5 R# 4 0 0 0 RGROUPS=(1 1)",
+    ];
+    let bonds = ["1 1 9 1 CFG=3", "2 2 1 2 CFG=2", "3 4 1 3", "4 10 3 5"];
+    let more = "M  V30 BEGIN SGROUP\nM  V30 1 DAT 0 ATOMS=(1 1) FIELDNAME=\"BEGIN ATOM\"\nM  V30 END SGROUP\n\
+                M  V30 BEGIN COLLECTION\nM  V30 MDLV30/STEABS ATOMS=(1 1)\nM  V30 END COLLECTION\n";
+    let text = v3000(&atoms, &bonds, more) + "> <X>\n1\n\n$$$$\n";
+    let molecule = one(&text);
+    assert_eq!(molecule.title(), "name");
+    assert_eq!(molecule.positions().written(0).to_array(), [0.5, -1.0, 2.125]);
+    assert_eq!((molecule.formal_charge(0), molecule.radical(0), molecule.isotope(0)), (-1, 2, 13));
+    assert_eq!((molecule.formal_charge(3), molecule.elements()[3]), (1, Element::O));
+    assert!([1, 2, 4].iter().all(|&atom| molecule.flags(atom) == atom_flags::PARTICLE));
+    assert_eq!(molecule.atom_name(1), "NOT[N,O]");
+    let kinds: Vec<_> = molecule.bonds().iter().map(|b| (b.a, b.b, b.order.number(), b.aromatic, b.kind)).collect();
+    let covalent = BondKind::Covalent;
+    let want = [(0, 1, 2, false, covalent), (0, 2, 0, true, covalent), (0, 3, 1, false, covalent)];
+    assert_eq!(kinds[..3], want);
+    assert_eq!(kinds[3], (2, 4, 0, false, BondKind::Hydrogen));
+    let marks = [
+        StereoMark { bond: 2, from: 3, stereo: BondStereo::Down },
+        StereoMark { bond: 0, from: 0, stereo: BondStereo::CisTransEither },
+    ];
+    assert_eq!(molecule.bond_stereo(), marks);
+    assert_eq!(molecule.properties(), [("X".to_owned(), "1".to_owned())]);
+}
+
+#[test]
+fn a_ligand_that_binds_as_a_whole_coordinates_with_each_atom() {
+    let atoms = ["1 C 1 0 0 0", "2 C 0 1 0 0", "3 Fe 0 0 2 0", "4 * 0 0 0 0"];
+    let molecule = one(&v3000(&atoms, &["1 2 1 2", "2 9 4 3 ENDPTS=(2 1 2) ATTACH=ALL"], ""));
+    let pairs: Vec<_> = molecule.bonds().iter().map(|bond| (bond.a, bond.b, bond.kind)).collect();
+    let coordination = BondKind::Coordination;
+    assert_eq!(pairs, [(0, 1, BondKind::Covalent), (0, 2, coordination), (1, 2, coordination)]);
+    let any = one(&v3000(&atoms, &["1 1 4 3 ENDPTS=(2 1 2) ATTACH=ANY"], ""));
+    assert_eq!((any.bonds()[0].a, any.bonds()[0].b, any.bonds().len()), (2, 3, 1));
+}
+
+#[test]
+fn versions_may_differ_from_record_to_record() {
+    let old = molfile(&[("C", 0, 0)], &[], "M  END\n$$$$\n");
+    let new = v3000(&["1 N 0 0 0 0"], &[], "") + "$$$$\n";
+    let document = read(&format!("{old}{new}{old}")).unwrap();
+    let elements: Vec<_> = document.records.iter().map(|record| record.elements()[0]).collect();
+    assert_eq!(elements, [Element::C, Element::N, Element::C]);
+}
+
+#[test]
+fn a_v3000_table_that_is_not_whole_is_an_error_with_its_line() {
+    let whole = v3000(&["1 C 0 0 0 0", "2 C 1 0 0 0"], &["1 1 1 2"], "");
+    for (text, line) in [
+        (whole.replace("COUNTS 2", "COUNTS 3"), 15),
+        (whole.replace("2 C 1 0 0 0", "2 C 1 zero 0 0"), 9),
+        (whole.replace("2 C 1 0 0 0", "1 C 1 0 0 0"), 9),
+        (whole.replace("1 1 1 2", "1 1 1"), 12),
+        (whole.split("M  V30 END BOND").next().unwrap_or_default().to_owned(), 13),
+        (v3000(&[], &[], ""), 12),
+    ] {
+        let error = read(&text).unwrap_err();
+        assert_eq!(error.line(), Some(line), "{error}: {text}");
+    }
+    let document = read(&whole.replace("1 1 1 2", "1 1 1 7")).unwrap();
+    assert!(document.records[0].bonds().is_empty() && document.diagnostics[0].severity == Severity::Error);
 }

@@ -91,6 +91,7 @@ pub(super) fn read(line: &[u8], number: u64, diagnostics: &mut Diagnostics) -> C
     }
     let mut comment = Comment::default();
     for (key, value) in pairs {
+        let text = || unescaped(&lossy(value));
         if is("lattice", key) {
             comment.cell = lattice(value);
             if comment.cell.is_none() {
@@ -107,12 +108,30 @@ pub(super) fn read(line: &[u8], number: u64, diagnostics: &mut Diagnostics) -> C
             }
         } else {
             if is("name", key) || is("title", key) || is("comment", key) {
-                comment.title = lossy(value).into_owned();
+                comment.title = text();
             }
-            comment.pairs.push((lossy(key).into_owned(), lossy(value).into_owned()));
+            comment.pairs.push((lossy(key).into_owned(), text()));
         }
     }
     comment
+}
+
+/// A value with `\"`, `\\` and `\n` as what they stand for; any other backslash is one.
+fn unescaped(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    let mut rest = text.chars().peekable();
+    while let Some(c) = rest.next() {
+        let meant = match rest.peek() {
+            Some('n') if c == '\\' => Some('\n'),
+            Some(&next @ ('"' | '\'' | '\\')) if c == '\\' => Some(next),
+            _ => None,
+        };
+        plain.push(meant.unwrap_or(c));
+        if meant.is_some() {
+            rest.next();
+        }
+    }
+    plain
 }
 
 /// `key=value` pairs; a bare key has the value `T`.
@@ -246,7 +265,7 @@ mod tests {
             ("c", "1 2"),
             ("d", "[1, 2], [3, 4]"),
             ("e f", "q"),
-            ("g", "say \\\"hi\\\""),
+            ("g", "say \"hi\""),
         ];
         assert_eq!(pairs, want);
         assert!(comment.cell.is_some());
