@@ -1,4 +1,4 @@
-//! Reading from memory, in bytes and atoms per second, for each text format.
+//! Reading from memory, in bytes and atoms per second, for each format.
 
 #![allow(clippy::expect_used, reason = "a bench that cannot read has nothing to measure")]
 
@@ -9,17 +9,21 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use std::hint::black_box;
 
 /// A format's extension and what writes it.
-type Writer = (&'static str, fn(usize) -> String);
+type Writer = (&'static str, fn(usize) -> Vec<u8>);
 
 fn import(c: &mut Criterion) {
-    let formats: [Writer; 7] = [
-        ("pdb", common::pdb),
-        ("cif", common::cif),
-        ("xyz", common::xyz),
-        ("sdf", common::sdf),
-        ("sdf-v3000", common::v3000),
-        ("mol2", common::mol2),
-        ("json", common::json),
+    let formats: [Writer; 11] = [
+        ("pdb", |size| common::pdb(size).into_bytes()),
+        ("cif", |size| common::cif(size).into_bytes()),
+        ("xyz", |size| common::xyz(size).into_bytes()),
+        ("sdf", |size| common::sdf(size).into_bytes()),
+        ("sdf-v3000", |size| common::v3000(size).into_bytes()),
+        ("mol2", |size| common::mol2(size).into_bytes()),
+        ("json", |size| common::json(size).into_bytes()),
+        ("bcif", common::bcif::file),
+        ("poscar", |size| common::poscar(size).into_bytes()),
+        ("cube", |size| common::cube(size).into_bytes()),
+        ("gro", |size| common::gro(size).into_bytes()),
     ];
     let options = ImportOptions::default();
     for (name, write) in formats {
@@ -27,7 +31,7 @@ fn import(c: &mut Criterion) {
         for size in common::SIZES {
             let text = write(size);
             let file = format!("bench.{name}");
-            let read = || read_bytes(black_box(text.as_bytes()), &file, &options).expect("a file without errors");
+            let read = || read_bytes(black_box(text.as_slice()), &file, &options).expect("a file without errors");
             assert_eq!(read().records.iter().map(|record| record.atom_count()).sum::<usize>(), size, "{name}");
             group.sample_size(if size > 100_000 { 10 } else { 20 });
             for (unit, throughput) in

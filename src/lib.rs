@@ -66,7 +66,7 @@
 //!
 //! # Known limits
 //!
-//! - Not read yet: BinaryCIF, MOL2, SDF V3000, POSCAR, cube, GRO. Bond orders are those of the file; none are perceived.
+//! - Not read yet: MOL2, SDF V3000. Bond orders are those of the file; none are perceived.
 //! - Aromatic bonds of a file (type 4 in SDF) are kept as aromatic without a Kekulé order: our JSON gives them order 0.
 //! - No ambient occlusion (`--ao`) or cast shadows on the molecule itself yet; outlines and labels are missing.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.

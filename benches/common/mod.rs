@@ -6,6 +6,8 @@
 
 #![allow(dead_code, reason = "each bench uses a part of it")]
 
+pub(crate) mod bcif;
+
 use ballstick::element::Element;
 use ballstick::structure::{AtomRecord, Diagnostics, Structure, StructureBuilder};
 use glam::DVec3;
@@ -240,5 +242,37 @@ pub(crate) fn json(count: usize) -> String {
         let _ = write!(text, "{comma}{{\"atoms\":[{},{n}],\"order\":1}}", n - 1);
     }
     text.push_str("]}\n");
+    text
+}
+
+/// The atoms as a POSCAR of one element, in Cartesian coordinates.
+pub(crate) fn poscar(count: usize) -> String {
+    let mut text = format!("a folded chain\n1.0\n900 0 0\n0 900 0\n0 0 900\nC\n{count}\nCartesian\n");
+    for (_, p) in atoms(count) {
+        let _ = writeln!(text, "{:19.16} {:19.16} {:19.16}", p.x, p.y, p.z);
+    }
+    text
+}
+
+/// The atoms as a cube file with a grid of nothing.
+pub(crate) fn cube(count: usize) -> String {
+    let mut text = format!("a folded chain\n\n{count} 0.0 0.0 0.0\n-1 1.0 0.0 0.0\n1 0.0 1.0 0.0\n1 0.0 0.0 1.0\n");
+    for (symbol, p) in atoms(count) {
+        let z = Element::from_symbol(symbol).unwrap_or_default().z();
+        let _ = writeln!(text, "{z:5} {:11.6} {:11.6} {:11.6} {:11.6}", f64::from(z), p.x, p.y, p.z);
+    }
+    text.push_str("0.0\n");
+    text
+}
+
+/// The atoms as a GRO file without velocities.
+pub(crate) fn gro(count: usize) -> String {
+    let mut text = format!("a folded chain\n{count}\n");
+    for (n, (symbol, p)) in atoms(count).into_iter().enumerate() {
+        let p = p * 0.1;
+        let (residue, serial) = (residue(n), (n + 1) % 100_000);
+        let _ = writeln!(text, "{residue:5}{:<5}{symbol:>5}{serial:5}{:8.3}{:8.3}{:8.3}", "UNL", p.x, p.y, p.z);
+    }
+    text.push_str("90.0 90.0 90.0\n");
     text
 }

@@ -7,7 +7,8 @@
 //! in layout and strict in values: what cannot be read is left out, with a diagnostic that names the line. An
 //! [`Error`] is returned only where no molecule can be had, or a limit would be passed.
 //!
-//! Limits: the whole file is held in memory while it is read.
+//! Limits: the whole file is held in memory while it is read. It is read, not mapped: a mapped file that another
+//! program shortens ends this one with a signal, and of the time for a PDB file of 79 MB reading the bytes is a tenth.
 
 mod bcif;
 mod cif;
@@ -186,9 +187,9 @@ impl Format {
             }
             "extxyz" | "exyz" => Some(Format::Xyz),
             "mol" | "sd" | "mdl" => Some(Format::Sdf),
-            "ml2" | "sy2" => Some(Format::Mol2),
             "vasp" | "contcar" | "xdatcar" => Some(Format::Poscar),
             "cub" => Some(Format::Cube),
+            "ml2" | "sy2" => Some(Format::Mol2),
             // Magnetic structures.
             "mcif" => Some(Format::Cif),
             _ => Format::ALL.into_iter().find(|format| format.name() == name),

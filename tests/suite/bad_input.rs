@@ -1,6 +1,6 @@
 //! Whatever the bytes are: no panic, on the whole way from bytes to bonds, scene and every structure format.
 //!
-//! Every molecule in `data/` and every seed below is cut at many points and has bytes changed; headers that promise
+//! Every molecule in `data/`, binary and compressed ones among them, and every seed below is cut at many points and has bytes changed; headers that promise
 //! more than there is stand by themselves. A panic fails the test; results may be anything.
 
 use ballstick::bonds::{self, BondOptions};
@@ -45,7 +45,7 @@ impl Xorshift {
 }
 
 /// One small file of each format, with most of what the format can say.
-const SEEDS: [(&str, &str); 13] = [
+const SEEDS: [(&str, &str); 16] = [
     (
         "seed-macromolecule.cif",
         "data_seed\n_entry.id seed\n_cell.length_a 10\n_cell.length_b 11\n_cell.length_c 12\n_symmetry.space_group_name_H-M 'P 1'\n\
@@ -145,6 +145,24 @@ const SEEDS: [(&str, &str); 13] = [
         r#"{"m":[{"a":[{"x":0,"y":0},{"l":"O","x":20,"y":2e1,"z":0,"c":-1,"r":1,"m":18}],"b":[{"b":0,"e":1,"o":2,"s":"recessed"}]},
         {"a":[{"l":"Zz","x":1,"y":2,"z":3}]}],"s":[]}"#,
     ),
+    (
+        "POSCAR",
+        "Ti O\n-62.0\n4.5 0 0\n0 4.5 0\n0 0 3.0\nTi_sv O/1a\n1 2\nSelective dynamics\nDirect\n0 0 0 T T F\n\
+         0.3 0.3 0.0 F F F\n0.7 0.7 0.0\nLattice velocities and vectors\n1\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n\
+         Cartesian\n0 0 0.1\n0 0 0\n0 0 1E-3\n",
+    ),
+    (
+        "seed.cube",
+        "water\ndensity\n-3 -1.0 -1.0 -1.0 1\n2 0.5 0 0\n2 0 0.5 0\n2 0 0 0.5\n8 8.0 0 0 0.2\n1 1.0 0 1.4 -0.9\n\
+         0 0.0 0 -1.4 -0.9\n1 5\n1.0E-3 2.0 3.0 4.0 5.0 6.0\n7.0 8.0\n",
+    ),
+    (
+        "seed.gro",
+        "t= 0.0\n3\n99999SOL     OW99999   0.126   1.624   1.679  0.1227 -0.0580  0.0434\n\
+         \x20   0ION     NA    0   0.190   1.661   1.747  0.8085  0.3191 -0.7791\n\
+         \x20   1LYS    MNZ    1   0.177   1.568   1.613 -0.9045 -2.6469  1.3180\n\
+         1.8 1.8 1.8 0 0 0.5 0 0.5 0.5\nt= 1.0\n1\n    1SOL     OW    1   0.126   1.624   1.679\n1 1 1\n",
+    ),
 ];
 
 /// Larger files are left out: each is read two hundred times.
@@ -240,6 +258,9 @@ fn headers_that_promise_too_much_are_refused() {
         "\n\n\n999999  0  0  0  0999 V2000\n    0.0000    0.0000    0.0000 C\n",
         "\n\n\n -1 -1  0  0  0  0  0  0  0  0999 V2000\nM  END\n",
         "ATOM      1  C\n",
+        "t\n4294967295\n    1SOL     OW    1   0.126   1.624   1.679\n",
+        "x\n1.0\n4 0 0\n0 4 0\n0 0 4\nTi O\n1 99999999999\nDirect\n0 0 0\n",
+        "\u{1}\u{1}\n-9223372036854775808 0 0 0\n2 1 0 0\n2 0 1 0\n2 0 0 1\n",
         "MODEL\nENDMDL\n",
         "{",
         "{\"atoms\":1}",
