@@ -194,7 +194,15 @@ mod tests {
         ] {
             assert!(limit(a, b).unwrap() >= length, "{a}-{b}");
         }
-        for (a, b, contact) in [("O", "O", 2.4), ("F", "F", 2.16), ("C", "C", 2.15), ("H", "H", 1.5), ("I", "N", 2.7), ("O", "O", 1.64), ("P", "P", 2.46)] {
+        for (a, b, contact) in [
+            ("O", "O", 2.4),
+            ("F", "F", 2.16),
+            ("C", "C", 2.15),
+            ("H", "H", 1.5),
+            ("I", "N", 2.7),
+            ("O", "O", 1.64),
+            ("P", "P", 2.46),
+        ] {
             assert!(limit(a, b).unwrap() < contact, "{a}-{b}");
         }
         for (a, b) in [("He", "H"), ("Ar", "F"), ("Xe", "Xe"), ("Kr", "O"), ("Ne", "Na")] {

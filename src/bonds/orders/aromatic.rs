@@ -5,8 +5,8 @@
 //! an empty orbital (boron, carbocation). A ring, or the outline of fused rings, with 4n + 2 electrons is aromatic.
 //! Kekulé form and hydrogens decide; the geometry has no word here.
 //!
-//! Limits: rings of three to eight atoms, outlines of up to six rings and 24 atoms; the 18 electrons of porphin's inner
-//! ring are found through its outline only where its 16-membered ring is listed, which it is not: its pyrroles are.
+//! Limits: rings of three to eight atoms, outlines of up to six rings and 24 atoms. Larger rings (the inner ring of
+//! porphin) are not looked at: of porphin the pyrroles with three double bonds' worth of electrons are aromatic.
 
 use super::graph::Graph;
 use super::rings::Ring;
@@ -35,7 +35,8 @@ pub(super) fn find(graph: &Graph<'_>, rings: &[Ring], orders: &Orders<'_>) -> Ve
         in_ring[bond as usize] = true;
     }
     let gives = |atom: u32| electrons(graph, orders, &in_ring, atom as usize);
-    let candidates: Vec<&Ring> = rings.iter().filter(|ring| ring.atoms.iter().all(|&atom| gives(atom).is_some())).collect();
+    let candidates: Vec<&Ring> =
+        rings.iter().filter(|ring| ring.atoms.iter().all(|&atom| gives(atom).is_some())).collect();
     let count = |atoms: &[u32]| atoms.iter().filter_map(|&atom| gives(atom)).map(u32::from).sum::<u32>();
     let mut found: Vec<Vec<u32>> = Vec::new();
     let mut is_aromatic = vec![false; candidates.len()];
@@ -66,7 +67,10 @@ pub(super) fn find(graph: &Graph<'_>, rings: &[Ring], orders: &Orders<'_>) -> Ve
             for &bond in &outline {
                 done[bond as usize] = true;
             }
-            found.push(outline);
+            // The other rings of an outline find it again.
+            if !found.contains(&outline) {
+                found.push(outline);
+            }
         }
     }
     found
@@ -86,8 +90,14 @@ fn neighbours(rings: &[&Ring]) -> Vec<Vec<usize>> {
         }
     }
     let beside = |(index, ring): (usize, &&Ring)| {
-        let mut others: Vec<usize> =
-            ring.bonds.iter().filter_map(|bond| of_bond.get(bond)).flatten().copied().filter(|&other| other != index).collect();
+        let mut others: Vec<usize> = ring
+            .bonds
+            .iter()
+            .filter_map(|bond| of_bond.get(bond))
+            .flatten()
+            .copied()
+            .filter(|&other| other != index)
+            .collect();
         others.sort_unstable();
         others.dedup();
         others
@@ -96,7 +106,12 @@ fn neighbours(rings: &[&Ring]) -> Vec<Vec<usize>> {
 }
 
 /// The bonds that only one of a growing set of fused rings has: the smallest set about `start` that `fits`.
-fn outline_through(start: usize, rings: &[&Ring], beside: &[Vec<usize>], fits: &dyn Fn(&[u32]) -> bool) -> Option<Vec<u32>> {
+fn outline_through(
+    start: usize,
+    rings: &[&Ring],
+    beside: &[Vec<usize>],
+    fits: &dyn Fn(&[u32]) -> bool,
+) -> Option<Vec<u32>> {
     let mut sets: Vec<Vec<usize>> = vec![vec![start]];
     let mut tried = 0;
     for _ in 1..MOST_FUSED {
@@ -118,7 +133,9 @@ fn outline_through(start: usize, rings: &[&Ring], beside: &[Vec<usize>], fits: &
                 }
                 let mut bonds: Vec<u32> = with.iter().flat_map(|&ring| rings[ring].bonds.iter().copied()).collect();
                 bonds.sort_unstable();
-                let once = |&bond: &u32| bonds.binary_search(&bond).is_ok() && bonds.iter().filter(|&&other| other == bond).count() == 1;
+                let once = |&bond: &u32| {
+                    bonds.binary_search(&bond).is_ok() && bonds.iter().filter(|&&other| other == bond).count() == 1
+                };
                 let outline: Vec<u32> = bonds.iter().copied().filter(once).collect();
                 if fits(&outline) {
                     return Some(outline);

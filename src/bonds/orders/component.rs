@@ -26,7 +26,12 @@ pub(super) struct Setup<'a> {
 impl<'a> Setup<'a> {
     /// Prepares a graph. `is_open` says of which bonds (by index) the order is to be found; `rings` are those of at
     /// least all atoms in reach of such bonds.
-    pub(super) fn new(graph: Graph<'a>, rings: &[Ring], hydrogens_known: &(impl Fn(usize) -> bool + Sync), is_open: &(impl Fn(usize) -> bool + Sync)) -> Setup<'a> {
+    pub(super) fn new(
+        graph: Graph<'a>,
+        rings: &[Ring],
+        hydrogens_known: &(impl Fn(usize) -> bool + Sync),
+        is_open: &(impl Fn(usize) -> bool + Sync),
+    ) -> Setup<'a> {
         let kinds = RingKinds::new(&graph, rings);
         let sites: Vec<Site> = (0..graph.atom_count())
             .into_par_iter()
@@ -39,7 +44,8 @@ impl<'a> Setup<'a> {
     }
 
     fn bond_limits(&self, is_open: &(impl Fn(usize) -> bool + Sync)) -> Vec<u8> {
-        let most: Vec<u8> = (0..self.graph.atom_count()).into_par_iter().with_min_len(4096).map(|atom| self.most_extra(atom)).collect();
+        let most: Vec<u8> =
+            (0..self.graph.atom_count()).into_par_iter().with_min_len(4096).map(|atom| self.most_extra(atom)).collect();
         let limit = |atom: usize, neighbour: super::graph::Neighbour| {
             let other = neighbour.atom as usize;
             if !is_open(neighbour.bond as usize) {
@@ -49,7 +55,14 @@ impl<'a> Setup<'a> {
             let longer = if is_flat_ring(self.kinds.bond(neighbour.bond)) { LONGER_IN_RING } else { LONGER };
             let length = self.graph.vector(atom, neighbour).length();
             let (a, b) = (self.graph.elements[atom], self.graph.elements[other]);
-            (0..=most).rev().find(|&extra| extra == 0 || !self.graph.has_geometry() || length <= lengths::expected(a, b, usize::from(extra) + 1) + longer).unwrap_or(0)
+            (0..=most)
+                .rev()
+                .find(|&extra| {
+                    extra == 0
+                        || !self.graph.has_geometry()
+                        || length <= lengths::expected(a, b, usize::from(extra) + 1) + longer
+                })
+                .unwrap_or(0)
         };
         let mut limits = vec![0u8; self.graph.bonds().len()];
         for atom in (0..self.graph.atom_count()).filter(|&atom| most[atom] > 0) {
@@ -64,7 +77,11 @@ impl<'a> Setup<'a> {
     fn fixed_extra(&self, atom: usize) -> usize {
         let extra = |neighbour: &super::graph::Neighbour| {
             let order = self.graph.bonds()[neighbour.bond as usize].order.number();
-            if self.limits.get(neighbour.bond as usize).is_some_and(|&limit| limit > 0) { 0 } else { usize::from(order.saturating_sub(1)) }
+            if self.limits.get(neighbour.bond as usize).is_some_and(|&limit| limit > 0) {
+                0
+            } else {
+                usize::from(order.saturating_sub(1))
+            }
         };
         self.graph.around(atom).iter().map(extra).sum()
     }
@@ -77,11 +94,6 @@ impl<'a> Setup<'a> {
             return 0;
         }
         states::most_extra(self.graph.elements[atom], degree, taken, is_flat_ring(self.kinds.atom(atom)))
-    }
-
-    /// What is seen of an atom.
-    pub(super) fn site(&self, atom: usize) -> Site {
-        self.sites[atom]
     }
 
     /// The sets of atoms that have a choice and depend on each other, each in ascending order.
@@ -145,20 +157,47 @@ impl<'s, 'a> Component<'s, 'a> {
             let around = graph.around(atom);
             let mut states = Vec::new();
             let allowed = |slot: usize| setup.limits[around[slot].bond as usize];
-            states::states(graph, &setup.kinds, atom, setup.sites[atom].hydrogens, setup.fixed_extra(atom), most_cost, allowed, &mut states);
+            states::states(
+                graph,
+                &setup.kinds,
+                atom,
+                setup.sites[atom].hydrogens,
+                setup.fixed_extra(atom),
+                most_cost,
+                allowed,
+                &mut states,
+            );
             if states.is_empty() {
-                states::states(graph, &setup.kinds, atom, setup.sites[atom].hydrogens, setup.fixed_extra(atom), f32::INFINITY, allowed, &mut states);
+                states::states(
+                    graph,
+                    &setup.kinds,
+                    atom,
+                    setup.sites[atom].hydrogens,
+                    setup.fixed_extra(atom),
+                    f32::INFINITY,
+                    allowed,
+                    &mut states,
+                );
             }
             all.push(states);
             for (slot, neighbour) in around.iter().enumerate().take(MOST_NEIGHBOURS) {
                 match atoms.binary_search(&neighbour.atom) {
                     Ok(other) if other > place => {
-                        let back = graph.around(neighbour.atom as usize).iter().position(|back| back.bond == neighbour.bond);
+                        let back =
+                            graph.around(neighbour.atom as usize).iter().position(|back| back.bond == neighbour.bond);
                         let back = back.unwrap_or(usize::MAX).min(255) as u8;
-                        edges.push((place as u32, other as u32, slot as u8, back, Pair::new(graph, &setup.kinds, &site_of, atom, slot)));
+                        edges.push((
+                            place as u32,
+                            other as u32,
+                            slot as u8,
+                            back,
+                            Pair::new(graph, &setup.kinds, &site_of, atom, slot),
+                        ));
                     }
                     Ok(_) => {}
-                    Err(_) => rims.push((place as u32, slot as u8, Pair::new(graph, &setup.kinds, &site_of, atom, slot))),
+                    Err(_) => {
+                        rims.push((place as u32, slot as u8, Pair::new(graph, &setup.kinds, &site_of, atom, slot)))
+                    }
                 }
             }
         }
@@ -167,6 +206,9 @@ impl<'s, 'a> Component<'s, 'a> {
 
     /// The orders of the bonds between these atoms that score best: bond and order.
     pub(super) fn best(setup: &'s Setup<'a>, atoms: Vec<u32>, weights: &impl Weights) -> Vec<(u32, u8)> {
+        if let Some(pair) = diatomic(setup, &atoms) {
+            return vec![pair];
+        }
         let component = Component::new(setup, atoms, USUAL_COST);
         let problem = component.problem(weights);
         let chosen = problem.solve();
@@ -183,12 +225,14 @@ impl<'s, 'a> Component<'s, 'a> {
         let order = |(a, _, slot, ..): &(u32, u32, u8, u8, Pair)| {
             let (place, slot) = (*a as usize, usize::from(*slot));
             let bond = self.setup.graph.around(self.atoms[place] as usize)[slot].bond;
-            (self.setup.limits[bond as usize] > 0).then(|| (bond, 1 + self.states[place][usize::from(chosen[place])].0.extra(slot)))
+            (self.setup.limits[bond as usize] > 0)
+                .then(|| (bond, 1 + self.states[place][usize::from(chosen[place])].0.extra(slot)))
         };
         self.edges.iter().filter_map(order).collect()
     }
 
-    /// The features of a choice of states.
+    /// The features of a choice of states: what the score is made of, and what the weights were fitted through.
+    #[cfg(test)]
     pub(super) fn features(&self, chosen: &[u8], sink: &mut impl FnMut(u64, f32)) {
         let state = |place: usize| self.states[place][usize::from(chosen[place])].0;
         let site_of = |atom: usize| self.setup.sites[atom];
@@ -227,7 +271,8 @@ impl<'s, 'a> Component<'s, 'a> {
             move |pair: &Pair, extra: u8, pi: [u8; 2]| {
                 let slot = &mut known[usize::from(extra.min(2))][usize::from(pi[0] & 7)][usize::from(pi[1] & 7)];
                 if slot.is_nan() {
-                    let mut score = if has_geometry { -lengths::penalty(a, b, usize::from(extra) + 1, length) } else { 0.0 };
+                    let mut score =
+                        if has_geometry { -lengths::penalty(a, b, usize::from(extra) + 1, length) } else { 0.0 };
                     pair.features(extra, pi, &mut |feature, value| score += weights.weight(feature) * value);
                     *slot = score;
                 }
@@ -248,7 +293,8 @@ impl<'s, 'a> Component<'s, 'a> {
             for (one, _) in ours {
                 for (other, _) in theirs {
                     let extra = one.extra(usize::from(*slot));
-                    let fits = usize::from(*back) >= MOST_NEIGHBOURS && extra == 0 || usize::from(*back) < MOST_NEIGHBOURS && other.extra(usize::from(*back)) == extra;
+                    let fits = usize::from(*back) >= MOST_NEIGHBOURS && extra == 0
+                        || usize::from(*back) < MOST_NEIGHBOURS && other.extra(usize::from(*back)) == extra;
                     scores.push(if fits { score(pair, extra, [one.pi, other.pi]) } else { f32::NEG_INFINITY });
                 }
             }
@@ -256,4 +302,24 @@ impl<'s, 'a> Component<'s, 'a> {
         }
         problem
     }
+}
+
+/// The bond of a molecule of two atoms and nothing else (N₂, O₂, CO): the order whose expected length is nearest. Nothing
+/// in the statistics, which are of organic molecules, is like it.
+fn diatomic(setup: &Setup<'_>, atoms: &[u32]) -> Option<(u32, u8)> {
+    let &[a, b] = atoms else { return None };
+    let graph = &setup.graph;
+    let is_bare = |atom: u32| {
+        let held = graph.held(atom as usize);
+        graph.degree(atom as usize) == 1 && held.hydrogens + held.metals + held.others == 0
+    };
+    if !is_bare(a) || !is_bare(b) || !graph.has_geometry() {
+        return None;
+    }
+    let next = graph.around(a as usize)[0];
+    let length = graph.vector(a as usize, next).length();
+    let elements = [a, b].map(|atom| graph.elements[atom as usize]);
+    let off = |order: u8| (length - lengths::expected(elements[0], elements[1], usize::from(order))).abs();
+    let most = 1 + setup.limits[next.bond as usize];
+    (1..=most).min_by(|&one, &other| off(one).total_cmp(&off(other))).map(|order| (next.bond, order))
 }

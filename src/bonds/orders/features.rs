@@ -44,7 +44,19 @@ pub(super) fn of_atom(
     let site = site_of(atom);
     let (class, pi, ring) = (site.class(), u64::from(state.pi), u64::from(site.ring));
     sink(pack(1, &[(class, 10), (pi, 3), (ring, 4)]), 1.0);
-    sink(pack(2, &[(u64::from(site.element), 4), (u64::from(site.degree), 3), (pi, 3), (coarse_ring(site.ring), 3), (u64::from(site.shape), 4)]), 1.0);
+    sink(
+        pack(
+            2,
+            &[
+                (u64::from(site.element), 4),
+                (u64::from(site.degree), 3),
+                (pi, 3),
+                (coarse_ring(site.ring), 3),
+                (u64::from(site.shape), 4),
+            ],
+        ),
+        1.0,
+    );
     // The neighbours, and which of them has the extra pairs.
     let around = graph.around(atom);
     let mut codes = [0u64; MOST_NEIGHBOURS];
@@ -97,7 +109,13 @@ pub(super) struct Pair {
 
 impl Pair {
     /// Reads the bond from an atom to its neighbour in a place.
-    pub(super) fn new(graph: &Graph<'_>, kinds: &RingKinds, site_of: &impl Fn(usize) -> Site, atom: usize, slot: usize) -> Pair {
+    pub(super) fn new(
+        graph: &Graph<'_>,
+        kinds: &RingKinds,
+        site_of: &impl Fn(usize) -> Site,
+        atom: usize,
+        slot: usize,
+    ) -> Pair {
         let to = graph.around(atom)[slot];
         let length = graph.vector(atom, to).length();
         let single = lengths::expected(graph.elements[atom], graph.elements[to.atom as usize], 1);
@@ -133,7 +151,8 @@ impl Pair {
             sink(pack(5, &[(low, 5), (high, 5), (extra, 2), (coarse, 3), (u64::from(knot), 4)]), share);
         }
         sink(pack(6, &[(low, 5), (high, 5), (extra, 2), (coarse, 3), (u64::from(self.twist), 3)]), 1.0);
-        let medium = |end: (u64, Site, u8)| u64::from(end.1.element) << 6 | u64::from(end.1.degree) << 3 | u64::from(end.2);
+        let medium =
+            |end: (u64, Site, u8)| u64::from(end.1.element) << 6 | u64::from(end.1.degree) << 3 | u64::from(end.2);
         let (low, high) = (medium(one).min(medium(other)), medium(one).max(medium(other)));
         let facts = [(low, 10), (high, 10), (extra, 2)];
         sink(pack(7, &facts), 1.0);

@@ -59,7 +59,8 @@ fn orders(structure: &Structure, bonds: &[Bond], is_open: &dyn Fn(u32) -> bool) 
             all.push(states);
             problem.unary.push(scores);
         }
-        let place: std::collections::HashMap<u32, usize> = atoms.iter().enumerate().map(|(place, &atom)| (atom, place)).collect();
+        let place: std::collections::HashMap<u32, usize> =
+            atoms.iter().enumerate().map(|(place, &atom)| (atom, place)).collect();
         let mut edges = Vec::new();
         for (here, &atom) in atoms.iter().enumerate() {
             for (slot, next) in graph.around(atom as usize).iter().enumerate().filter(|(_, next)| is_open(next.bond)) {
@@ -67,7 +68,8 @@ fn orders(structure: &Structure, bonds: &[Bond], is_open: &dyn Fn(u32) -> bool) 
                 let back = graph.around(next.atom as usize).iter().position(|back| back.bond == next.bond).unwrap_or(0);
                 let extra = |state: &State, slot: usize| if slot < MOST_NEIGHBOURS { state.extra(slot) } else { 0 };
                 let pairs = all[here].iter().flat_map(|one| all[there].iter().map(move |other| (one, other)));
-                let fits = pairs.map(|(one, other)| if extra(one, slot) == extra(other, back) { 0.0 } else { f32::NEG_INFINITY });
+                let fits = pairs
+                    .map(|(one, other)| if extra(one, slot) == extra(other, back) { 0.0 } else { f32::NEG_INFINITY });
                 problem.pairs.push((here as u32, there as u32, fits.collect()));
                 edges.push((next.bond, here, slot));
             }
@@ -98,6 +100,8 @@ fn choices(
     let mut found = Vec::new();
     let allowed = |slot: usize| u8::from(is_open(around[slot].bond));
     states::states(graph, kinds, atom, hydrogens, fixed_extra, f32::INFINITY, allowed, &mut found);
+    // Only the heavier elements have two double bonds in such groups: sulfonates, perchlorate.
+    found.retain(|(state, _)| state.sum() <= 1 || element.period() > 2);
     let stated = structure.formal_charge(atom);
     let score = |&(state, cost): &(State, f32)| {
         let mut cost = cost;

@@ -57,7 +57,8 @@ impl Problem {
     /// The states of each variable that fit some state of each neighbour, found by striking out one after the other; all
     /// states where that leaves none.
     fn consistent(&self) -> Vec<Vec<u8>> {
-        let mut alive: Vec<Vec<bool>> = self.unary.iter().map(|scores| scores.iter().map(|score| score.is_finite()).collect()).collect();
+        let mut alive: Vec<Vec<bool>> =
+            self.unary.iter().map(|scores| scores.iter().map(|score| score.is_finite()).collect()).collect();
         let mut of: Vec<Vec<u32>> = vec![Vec::new(); self.unary.len()];
         for (index, (a, b, _)) in self.pairs.iter().enumerate() {
             of[*a as usize].push(index as u32);
@@ -73,7 +74,9 @@ impl Problem {
             for (variable, other, stride, other_stride) in [(a, b, width, 1), (b, a, 1, width)] {
                 let mut is_changed = false;
                 for state in 0..self.unary[variable].len() {
-                    let fits = |(beside, &alive): (usize, &bool)| alive && scores[state * stride + beside * other_stride].is_finite();
+                    let fits = |(beside, &alive): (usize, &bool)| {
+                        alive && scores[state * stride + beside * other_stride].is_finite()
+                    };
                     if alive[variable][state] && !alive[other].iter().enumerate().any(fits) {
                         alive[variable][state] = false;
                         is_changed = true;
@@ -264,7 +267,8 @@ impl<'p> Elimination<'p> {
 
     /// Settles a variable, or the one of its scope that has most tables, by what its tables say at their best.
     fn settle(&mut self, variable: u32, scope: &[u32]) {
-        let tables = |other: u32| self.of[other as usize].iter().filter(|&&index| self.tables[index as usize].is_some());
+        let tables =
+            |other: u32| self.of[other as usize].iter().filter(|&&index| self.tables[index as usize].is_some());
         let widest = scope.iter().copied().chain([variable]).max_by_key(|&other| (self.width(other), Reverse(other)));
         let settled = widest.unwrap_or(variable);
         let mut scores = self.unary[settled as usize].clone();
@@ -272,7 +276,9 @@ impl<'p> Elimination<'p> {
         for table in indices.iter().filter_map(|&index| self.tables[index as usize].as_ref()) {
             let mut best = vec![f32::NEG_INFINITY; scores.len()];
             table.each(&|other| self.size(other), |choice, score| {
-                let beside = |(&other, &state): (&u32, &usize)| if other == settled { 0.0 } else { self.unary[other as usize][state] };
+                let beside = |(&other, &state): (&u32, &usize)| {
+                    if other == settled { 0.0 } else { self.unary[other as usize][state] }
+                };
                 let score = score + table.scope.iter().zip(choice).map(beside).sum::<f32>();
                 let own = table.scope.iter().position(|&other| other == settled).map_or(0, |place| choice[place]);
                 best[own] = best[own].max(score);
@@ -281,7 +287,9 @@ impl<'p> Elimination<'p> {
                 *score += best;
             }
         }
-        let best = (0..scores.len()).max_by(|&one, &other| scores[one].total_cmp(&scores[other]).then(other.cmp(&one))).unwrap_or(0);
+        let best = (0..scores.len())
+            .max_by(|&one, &other| scores[one].total_cmp(&scores[other]).then(other.cmp(&one)))
+            .unwrap_or(0);
         self.is_done[settled as usize] = true;
         self.of[settled as usize].clear();
         for index in indices {
