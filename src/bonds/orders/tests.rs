@@ -375,13 +375,13 @@ fn the_score_of_a_choice_is_the_sum_of_its_features_costs_and_lengths() {
     let setup = Setup::new(graph, &rings, &|_| true, &|_| true);
     let component = Component::new(&setup, setup.components().remove(0), f32::INFINITY);
     let chosen = component.problem(&*MODEL).solve();
-    struct None;
-    impl features::Weights for None {
+    struct Unweighted;
+    impl features::Weights for Unweighted {
         fn weight(&self, _: u64) -> f32 {
             0.0
         }
     }
-    let mut by_features = component.problem(&None).score(&chosen);
+    let mut by_features = component.problem(&Unweighted).score(&chosen);
     component
         .features(&chosen, &mut |feature, value| by_features += features::Weights::weight(&*MODEL, feature) * value);
     let score = component.problem(&*MODEL).score(&chosen);
