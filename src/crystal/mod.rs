@@ -129,6 +129,8 @@ pub fn draw(structure: Structure, options: &CrystalOptions) -> Result<Drawn> {
     let listed = structure.atom_count();
     let (structure, original) = match choice {
         CellChoice::Asym => (structure, None),
+        // A protein is shown as its entry lists it, unless the crystal is asked for.
+        CellChoice::Molecule if !structure.residues().is_empty() => (structure, None),
         CellChoice::Molecule | CellChoice::Full => expand::apply_symmetry(structure, options.most_atoms)?,
     };
     let structure = bonds::assign(structure, &options.bonds);

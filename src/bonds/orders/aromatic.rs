@@ -5,8 +5,8 @@
 //! an empty orbital (boron, carbocation). A ring, or the outline of fused rings, with 4n + 2 electrons is aromatic.
 //! Kekulé form and hydrogens decide; the geometry has no word here.
 //!
-//! Limits: rings of three to eight atoms, outlines of up to six rings and 24 atoms; the 18 electrons of porphin's inner
-//! ring are found through its outline only where its 16-membered ring is listed, which it is not: its pyrroles are.
+//! Limits: rings of three to eight atoms, outlines of up to six rings and 24 atoms. Larger rings (the inner ring of
+//! porphin) are not looked at: of porphin the pyrroles with three double bonds' worth of electrons are aromatic.
 
 use super::graph::Graph;
 use super::rings::Ring;
@@ -67,7 +67,10 @@ pub(super) fn find(graph: &Graph<'_>, rings: &[Ring], orders: &Orders<'_>) -> Ve
             for &bond in &outline {
                 done[bond as usize] = true;
             }
-            found.push(outline);
+            // The other rings of an outline find it again.
+            if !found.contains(&outline) {
+                found.push(outline);
+            }
         }
     }
     found

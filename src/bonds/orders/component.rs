@@ -96,11 +96,6 @@ impl<'a> Setup<'a> {
         states::most_extra(self.graph.elements[atom], degree, taken, is_flat_ring(self.kinds.atom(atom)))
     }
 
-    /// What is seen of an atom.
-    pub(super) fn site(&self, atom: usize) -> Site {
-        self.sites[atom]
-    }
-
     /// The sets of atoms that have a choice and depend on each other, each in ascending order.
     pub(super) fn components(&self) -> Vec<Vec<u32>> {
         let count = self.graph.atom_count();
@@ -211,6 +206,9 @@ impl<'s, 'a> Component<'s, 'a> {
 
     /// The orders of the bonds between these atoms that score best: bond and order.
     pub(super) fn best(setup: &'s Setup<'a>, atoms: Vec<u32>, weights: &impl Weights) -> Vec<(u32, u8)> {
+        if let Some(pair) = diatomic(setup, &atoms) {
+            return vec![pair];
+        }
         let component = Component::new(setup, atoms, USUAL_COST);
         let problem = component.problem(weights);
         let chosen = problem.solve();
@@ -233,7 +231,8 @@ impl<'s, 'a> Component<'s, 'a> {
         self.edges.iter().filter_map(order).collect()
     }
 
-    /// The features of a choice of states.
+    /// The features of a choice of states: what the score is made of, and what the weights were fitted through.
+    #[cfg(test)]
     pub(super) fn features(&self, chosen: &[u8], sink: &mut impl FnMut(u64, f32)) {
         let state = |place: usize| self.states[place][usize::from(chosen[place])].0;
         let site_of = |atom: usize| self.setup.sites[atom];
@@ -303,4 +302,24 @@ impl<'s, 'a> Component<'s, 'a> {
         }
         problem
     }
+}
+
+/// The bond of a molecule of two atoms and nothing else (N₂, O₂, CO): the order whose expected length is nearest. Nothing
+/// in the statistics, which are of organic molecules, is like it.
+fn diatomic(setup: &Setup<'_>, atoms: &[u32]) -> Option<(u32, u8)> {
+    let &[a, b] = atoms else { return None };
+    let graph = &setup.graph;
+    let is_bare = |atom: u32| {
+        let held = graph.held(atom as usize);
+        graph.degree(atom as usize) == 1 && held.hydrogens + held.metals + held.others == 0
+    };
+    if !is_bare(a) || !is_bare(b) || !graph.has_geometry() {
+        return None;
+    }
+    let next = graph.around(a as usize)[0];
+    let length = graph.vector(a as usize, next).length();
+    let elements = [a, b].map(|atom| graph.elements[atom as usize]);
+    let off = |order: u8| (length - lengths::expected(elements[0], elements[1], usize::from(order))).abs();
+    let most = 1 + setup.limits[next.bond as usize];
+    (1..=most).min_by(|&one, &other| off(one).total_cmp(&off(other))).map(|order| (next.bond, order))
 }

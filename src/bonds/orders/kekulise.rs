@@ -100,6 +100,8 @@ fn choices(
     let mut found = Vec::new();
     let allowed = |slot: usize| u8::from(is_open(around[slot].bond));
     states::states(graph, kinds, atom, hydrogens, fixed_extra, f32::INFINITY, allowed, &mut found);
+    // Only the heavier elements have two double bonds in such groups: sulfonates, perchlorate.
+    found.retain(|(state, _)| state.sum() <= 1 || element.period() > 2);
     let stated = structure.formal_charge(atom);
     let score = |&(state, cost): &(State, f32)| {
         let mut cost = cost;

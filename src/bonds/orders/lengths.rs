@@ -29,6 +29,11 @@ const RADII_PM: [(u8, [u8; 3]); 17] = [
 
 /// Expected length in ångström of a bond of order 1, 2 or 3.
 pub(super) fn expected(a: Element, b: Element, order: usize) -> f32 {
+    if a == Element::O && b == Element::O {
+        // Lone pairs face each other: 1.46 Å in peroxides (Allen et al., J. Chem. Soc. Perkin Trans. 2 1987, S1), 1.21 Å
+        // in O₂ (Huber and Herzberg 1979), where the radii give 1.26 and 1.14 Å.
+        return if order == 1 { 1.46 } else { 1.21 };
+    }
     let radius = |element: Element| {
         let row = RADII_PM.iter().find(|(z, _)| *z == element.z());
         row.map_or(element.covalent_radius(), |(_, radii)| f32::from(radii[order.clamp(1, 3) - 1]) * 0.01)

@@ -1,4 +1,38 @@
-//! orders
+//! Bond orders, formal charges and aromaticity from coordinates alone.
+//!
+//! # Method
+//!
+//! Which atoms are bonded is known here; how many electron pairs each bond has is chosen, for all atoms that depend on
+//! each other at once:
+//!
+//! 1. Atoms whose neighbours and hydrogens use up all their electrons are settled; where no two neighbours are left that
+//!    could share a further pair (water, alkanes) nothing more is done. Bonds too long for a second pair are single.
+//! 2. Every other atom has a few states: which of its bonds have one or two extra pairs (`states`). A state has a
+//!    cost by the charge it implies. Where the hydrogens of a molecule are listed (any carbon has one), valences count
+//!    exactly; where only polar ones are, those of carbon are unknown; where none are, free valences are hydrogens.
+//! 3. Lengths speak by how far they are from sums of Pyykkö's radii (`lengths`). Beyond these physical terms,
+//!    statistics (`features`, `model`) correct each state by element, neighbours, rings, angles and height over the plane,
+//!    and each pair of neighbouring states by length and twist.
+//! 4. The best sum is found exactly by eliminating atom after atom; in sheets and cages, where that would take too long,
+//!    nearly so, in time and memory proportional to the atoms (`solve`).
+//! 5. Aromatic are rings and fused systems by Hückel's rule on the result, as RDKit counts (`aromatic`). Nitro groups are
+//!    N⁺–O⁻, phosphates have one P=O and sulfones two S=O, as the component dictionary writes them.
+//!
+//! # Sources and figures
+//!
+//! The weights were fitted to the ideal coordinates of the wwPDB Chemical Component Dictionary (CC0): 35,900 components
+//! without metals, with all hydrogens, none and polar ones, moved anew by normal noise of mostly 0.03 Å each time; a
+//! structured perceptron with margin 1, averaged over five passes; weights below 0.1 left out. Of 5,000 other components
+//! that neither the fit nor any choice has seen, moved by 0.03 Å, connectivity is right in 99.82 % with hydrogens and
+//! 99.82 % without; orders, compared after RDKit's aromaticity and up to symmetry, in 99.48 % and 97.06 %.
+//! What is wrong without hydrogens is mostly what only hydrogens tell: which nitrogen of an azole or amidine has one, enol
+//! or ketone in a conjugated system, imine or amine.
+//!
+//! # Limits
+//!
+//! Ties between equal forms (the two of benzene) are broken by the last digits of the positions. Alternate locations
+//! count as neighbours at once, and atoms with too many of them get single bonds. Radicals are not looked for.
+
 mod aromatic;
 mod charges;
 mod component;

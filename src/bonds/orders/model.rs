@@ -1,4 +1,8 @@
-//! The weights of the features.
+//! The weights of the features, from `weights.txt`.
+//!
+//! The numbers are log-likelihood ratios up to a common factor, fitted to the ideal coordinates of the wwPDB
+//! Chemical Component Dictionary, which is in the public domain (CC0); how, the header of [`super`] says. They are bound
+//! to the packing of facts in [`super::features`]: a change there needs a new fit.
 
 use super::features::Weights;
 use std::sync::LazyLock;
@@ -56,5 +60,24 @@ impl Weights for Model {
             }
             at = (at + 1) & self.mask;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_line_of_the_text_is_found_again_and_nothing_else() {
+        let mut count = 0;
+        for line in TEXT.lines() {
+            let (feature, weight) = line.split_once(' ').unwrap();
+            let feature = u64::from_str_radix(feature, 16).unwrap();
+            assert_ne!(feature, EMPTY);
+            assert_eq!(MODEL.weight(feature), weight.parse::<i16>().map(f32::from).unwrap() * 1e-3, "{line}");
+            count += 1;
+        }
+        assert!(count > 1000);
+        assert_eq!(MODEL.weight(u64::MAX), 0.0);
     }
 }

@@ -260,6 +260,7 @@ fn carbon_dioxide_and_dinitrogen_need_no_hydrogens() {
     let dioxide = [("C", [0.0; 3]), ("O", [1.16, 0.0, 0.0]), ("O", [-1.16, 0.0, 0.0])];
     assert_eq!(multiple(&structure(&dioxide)), ["C=O", "C=O"]);
     assert_eq!(multiple(&structure(&[("N", [0.0; 3]), ("N", [1.098, 0.0, 0.0])])), ["N#N"]);
+    assert_eq!(multiple(&structure(&[("O", [0.0; 3]), ("O", [1.207, 0.0, 0.0])])), ["O=O"]);
     let monoxide = [("C", [0.0; 3]), ("O", [1.128, 0.0, 0.0])];
     assert_eq!(multiple(&structure(&monoxide)), ["C#O"]);
     assert_eq!(charges_of(&monoxide), ["C-1", "O+1"]);
@@ -363,4 +364,131 @@ fn atoms_in_a_heap_are_no_reason_to_hang() {
         (0..3000).map(|i| (symbols[i % 8], [random() * 25.0, random() * 25.0, random() * 25.0])).collect();
     let bonds = find(&structure(&heap), 0, &BondOptions::default());
     assert!(bonds.iter().all(|bond| bond.order != BondOrder::Unknown));
+}
+
+#[test]
+fn the_score_of_a_choice_is_the_sum_of_its_features_costs_and_lengths() {
+    let molecule = structure(&benzene());
+    let bonds = find(&molecule, 0, &BondOptions::default());
+    let graph = Graph::new(molecule.elements(), molecule.positions().relative(), &bonds, None);
+    let rings = rings::find(&graph, |_| true, rings::LARGEST_RING);
+    let setup = Setup::new(graph, &rings, &|_| true, &|_| true);
+    let component = Component::new(&setup, setup.components().remove(0), f32::INFINITY);
+    let chosen = component.problem(&*MODEL).solve();
+    struct Unweighted;
+    impl features::Weights for Unweighted {
+        fn weight(&self, _: u64) -> f32 {
+            0.0
+        }
+    }
+    let mut by_features = component.problem(&Unweighted).score(&chosen);
+    component
+        .features(&chosen, &mut |feature, value| by_features += features::Weights::weight(&*MODEL, feature) * value);
+    let score = component.problem(&*MODEL).score(&chosen);
+    assert!((score - by_features).abs() < 1e-3 && score != 0.0, "{score} {by_features}");
+}
+
+/// Aromatic bonds without orders between elements, with the charges stated, as MOL2 and SDF give them.
+fn kekule_orders(symbols: &[(&str, i8)], aromatic: &[(u32, u32)], single: &[(u32, u32)]) -> Vec<u8> {
+    let mut builder = StructureBuilder::new();
+    for &(symbol, formal_charge) in symbols {
+        let element = Element::from_symbol(symbol).unwrap_or_default();
+        builder.push_atom(&AtomRecord { element, formal_charge, ..AtomRecord::default() });
+    }
+    for &(a, b) in aromatic {
+        builder.push_bond(Bond { aromatic: true, ..Bond::new(a, b, BondOrder::Unknown, BondSource::File) });
+    }
+    for &(a, b) in single {
+        builder.push_bond(Bond::new(a, b, BondOrder::Single, BondSource::File));
+    }
+    builder.set_stated_bonds(StatedBonds::Complete);
+    let structure = builder.build(&mut Diagnostics::default());
+    let bonds = find(&structure, 0, &BondOptions::default());
+    assert!(bonds.iter().zip(structure.bonds()).all(|(now, before)| now.aromatic == before.aromatic));
+    let is_aromatic = |bond: &&Bond| aromatic.contains(&(bond.a, bond.b));
+    bonds.iter().filter(is_aromatic).map(|bond| bond.order.number()).collect()
+}
+
+const RING_OF_FIVE: [(u32, u32); 5] = [(0, 1), (0, 4), (1, 2), (2, 3), (3, 4)];
+const RING_OF_SIX: [(u32, u32); 6] = [(0, 1), (0, 5), (1, 2), (2, 3), (3, 4), (4, 5)];
+
+#[test]
+fn aromatic_bonds_of_a_file_get_a_kekule_form() {
+    let doubles = |orders: &[u8]| orders.iter().filter(|&&order| order == 2).count();
+    let benzene = kekule_orders(&[("C", 0); 6], &RING_OF_SIX, &[]);
+    assert_eq!((benzene.len(), doubles(&benzene)), (6, 3));
+    // Without hydrogens pyrrole's nitrogen keeps its lone pair: every carbon has its double bond so.
+    let pyrrole = kekule_orders(&[("N", 0), ("C", 0), ("C", 0), ("C", 0), ("C", 0)], &RING_OF_FIVE, &[]);
+    assert_eq!(pyrrole, [1, 1, 2, 1, 2]);
+    let furan = kekule_orders(&[("O", 0), ("C", 0), ("C", 0), ("C", 0), ("C", 0)], &RING_OF_FIVE, &[]);
+    assert_eq!(furan, [1, 1, 2, 1, 2]);
+    // Methylpyridinium, its charge stated or not.
+    for charge in [0, 1] {
+        let mut atoms = vec![("N", charge)];
+        atoms.extend([("C", 0); 6]);
+        assert_eq!(doubles(&kekule_orders(&atoms, &RING_OF_SIX, &[(0, 6)])), 3, "{charge}");
+    }
+}
+
+#[test]
+fn charged_groups_that_mol2_calls_aromatic_get_orders() {
+    let doubles = |orders: Vec<u8>| orders.iter().filter(|&&order| order == 2).count();
+    assert_eq!(doubles(kekule_orders(&[("C", 0), ("O", 0), ("O", 0), ("C", 0)], &[(0, 1), (0, 2)], &[(0, 3)])), 1);
+    let guanidinium = [("C", 0), ("N", 0), ("N", 0), ("N", 0), ("C", 0)];
+    assert_eq!(doubles(kekule_orders(&guanidinium, &[(0, 1), (0, 2), (0, 3)], &[(3, 4)])), 1);
+    let phosphate = [("P", 0), ("O", 0), ("O", 0), ("O", 0), ("O", 0)];
+    assert_eq!(doubles(kekule_orders(&phosphate, &[(0, 1), (0, 2), (0, 3)], &[(0, 4)])), 1);
+}
+
+#[test]
+fn what_has_no_kekule_form_gets_as_many_double_bonds_as_there_can_be() {
+    let orders = kekule_orders(&[("C", 0); 5], &RING_OF_FIVE, &[]);
+    assert_eq!(orders.iter().filter(|&&order| order == 2).count(), 2);
+}
+
+#[test]
+fn aromatic_rings_of_a_written_kekule_form_are_found() {
+    let rings = |symbols: &[&str], bonds: &[(u32, u32, BondOrder)]| {
+        let mut builder = StructureBuilder::new();
+        for symbol in symbols {
+            let element = Element::from_symbol(symbol).unwrap_or_default();
+            builder.push_atom(&AtomRecord { element, ..AtomRecord::default() });
+        }
+        for &(a, b, order) in bonds {
+            builder.push_bond(Bond::new(a, b, order, BondSource::File));
+        }
+        let structure = builder.build(&mut Diagnostics::default());
+        aromatic_rings(&structure, structure.bonds()).iter().map(Vec::len).collect::<Vec<_>>()
+    };
+    let (single, double) = (BondOrder::Single, BondOrder::Double);
+    let six = [(0, 1, double), (1, 2, single), (2, 3, double), (3, 4, single), (4, 5, double), (0, 5, single)];
+    assert_eq!(rings(&["C"; 6], &six), [6]);
+    // Quinone: two carbonyls take the electrons away.
+    let quinone = [
+        (0, 1, double),
+        (1, 2, single),
+        (2, 3, single),
+        (3, 4, double),
+        (4, 5, single),
+        (0, 5, single),
+        (2, 6, double),
+        (5, 7, double),
+    ];
+    assert_eq!(rings(&["C", "C", "C", "C", "C", "C", "O", "O"], &quinone), [0; 0]);
+    // Cyclobutadiene has four electrons, azulene ten on its outline and not six in either ring.
+    assert_eq!(rings(&["C"; 4], &[(0, 1, double), (1, 2, single), (2, 3, double), (0, 3, single)]), [0; 0]);
+    let azulene = [
+        (0, 1, double),
+        (1, 2, single),
+        (2, 3, double),
+        (3, 4, single),
+        (0, 4, single),
+        (4, 5, double),
+        (5, 6, single),
+        (6, 7, double),
+        (7, 8, single),
+        (8, 9, double),
+        (3, 9, single),
+    ];
+    assert_eq!(rings(&["C"; 10], &azulene), [10]);
 }
