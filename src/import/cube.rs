@@ -9,15 +9,12 @@
 //! molecule. Atomic numbers of 0 or less are dummies.
 
 use super::collect::Records;
-use super::is_plausible;
 use super::number::{next_f64, next_vector, parse_i64};
 use super::text::{Lines, Repeated, lossy, next_word, shown};
+use super::{ANGSTROM_PER_BOHR, is_plausible};
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::structure::{AtomRecord, Diagnostics, StructureBuilder, atom_flags};
-
-/// Ångström in a bohr: CODATA 2018 (Tiesinga et al., Rev. Mod. Phys. 2021, 93, 025010).
-const BOHR: f64 = 0.529_177_210_903;
 
 /// What an atom's line says: atomic number, position, and its decimals.
 fn atom_line(line: &[u8]) -> Option<(i64, glam::DVec3, u8)> {
@@ -60,7 +57,7 @@ pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnos
         return Err(Error::input(line, "the file has 0 atoms"));
     }
     records.check_atoms(atoms.min(lines.rest().len()), line)?;
-    let scale = if counts[1] < 0 { 1.0 } else { BOHR };
+    let scale = if counts[1] < 0 { 1.0 } else { ANGSTROM_PER_BOHR };
     let mut builder = StructureBuilder::new();
     let mut decimals = 0;
     let (mut unknown, mut lost) = (Repeated::default(), Repeated::default());

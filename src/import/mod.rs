@@ -359,6 +359,9 @@ fn read_plain(
     records.finish(format, diagnostics)
 }
 
+/// Å per bohr: CODATA 2022, 5.291 772 105 44(82) × 10⁻¹¹ m.
+const ANGSTROM_PER_BOHR: f64 = 0.529_177_210_544;
+
 /// How far from the origin an atom may be, in ångström (1 cm): squares of distances stay far inside f32's range,
 /// and no molecule file means it.
 const FARTHEST: f64 = 1e8;

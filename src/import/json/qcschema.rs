@@ -7,17 +7,14 @@
 //!
 //! Mass numbers that say no more than the natural mixture (programs fill in the commonest isotope) are left out.
 
-use super::super::is_plausible;
 use super::super::symbol::{LabelKind, read_label};
+use super::super::{ANGSTROM_PER_BOHR, is_plausible};
 use super::{PairBond, bond_of_order, push_pairs};
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::structure::{AtomRecord, Diagnostics, Positions, StatedBonds, StructureBuilder, atom_flags};
 use glam::DVec3;
 use serde::Deserialize;
-
-/// Å per bohr: CODATA 2022, 5.291 772 105 44(82) × 10⁻¹¹ m.
-const ANGSTROM_PER_BOHR: f64 = 0.529_177_210_544;
 
 /// An input or a result.
 #[derive(Deserialize)]
