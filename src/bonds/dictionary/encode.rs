@@ -163,9 +163,10 @@ fn pack_component(
                 varint(stream, model::bond_number(bond));
             }
         }
-        let guesses = namer.guesses(atom.element, (back.len() == 1).then(|| back[0].a));
-        match guesses.iter().position(|&guess| guess == atom.name) {
-            Some(guess) => streams[Stream::NameGuess as usize].push(guess as u8 + 1),
+        let parent = (back.len() == 1).then(|| back[0].a);
+        namer.next(atom.element, parent);
+        match (0..Namer::GUESSES).find(|&guess| namer.guess(guess, atom.element, parent) == atom.name) {
+            Some(guess) => streams[Stream::NameGuess as usize].push(guess + 1),
             None => {
                 streams[Stream::NameGuess as usize].push(0);
                 let [low, high] = ranks[&atom.name].to_le_bytes();

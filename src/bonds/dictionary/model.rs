@@ -151,39 +151,46 @@ pub(super) struct Namer {
 }
 
 impl Namer {
-    /// Names that the next atom may have; some may come twice or be empty. `parent` is its only earlier partner.
-    pub(super) fn guesses(&mut self, element: Element, parent: Option<u16>) -> [AtomName; 9] {
+    /// How many guesses there are.
+    pub(super) const GUESSES: u8 = 9;
+
+    /// Tells that the next atom is a hydrogen, if it is, on this one; before its guesses are asked for.
+    pub(super) fn next(&mut self, element: Element, parent: Option<u16>) {
+        let parent = parent.filter(|_| element == Element::H);
+        if let Some(count) = parent.and_then(|parent| self.hydrogens.get_mut(usize::from(parent))) {
+            *count = count.saturating_add(1);
+        }
+    }
+
+    /// A name that the next atom may have, by its number below [`Namer::GUESSES`]; some are the same or empty. `parent` is
+    /// its only earlier partner.
+    pub(super) fn guess(&self, which: u8, element: Element, parent: Option<u16>) -> AtomName {
         let before = self.names.last().copied().unwrap_or_default();
         let parent = parent.map(usize::from).filter(|&parent| parent < self.names.len());
-        match parent.filter(|_| element == Element::H) {
-            Some(parent) => self.hydrogen(parent, before),
-            None => {
-                let like = (self.last.iter().find(|last| last.0 == element)).map_or([0; 4], |last| last.1);
-                let symbol = element.symbol().to_ascii_uppercase();
-                let number = number_of(before);
-                let numbered = |number: Option<u32>| number.map_or([0; 4], |n| joined(symbol.as_bytes(), n));
-                [
-                    counted_on(before),
-                    stepped(before),
-                    counted_on(like),
-                    stepped(like),
-                    numbered(number.map(|n| n + 1)),
-                    numbered(number),
-                    [0; 4],
-                    [0; 4],
-                    [0; 4],
-                ]
-            }
+        if let Some(parent) = parent.filter(|_| element == Element::H) {
+            return self.hydrogen(which, parent, before);
+        }
+        let like = || (self.last.iter().find(|last| last.0 == element)).map_or([0; 4], |last| last.1);
+        let numbered = |step: u32| match number_of(before) {
+            Some(number) => joined(element.symbol().to_ascii_uppercase().as_bytes(), number + step),
+            None => [0; 4],
+        };
+        match which {
+            0 => counted_on(before),
+            1 => stepped(before),
+            2 => counted_on(like()),
+            3 => stepped(like()),
+            4 => numbered(1),
+            5 => numbered(0),
+            _ => [0; 4],
         }
     }
 
     /// A hydrogen is called H, as the atom it is on without its element, and maybe its number or letter there.
-    fn hydrogen(&mut self, parent: usize, before: AtomName) -> [AtomName; 9] {
+    fn hydrogen(&self, which: u8, parent: usize, before: AtomName) -> AtomName {
         let name = trimmed(&self.names[parent]);
         let suffix = name.get(self.elements[parent].symbol().len()..).unwrap_or_default();
-        let count = &mut self.hydrogens[parent];
-        *count = count.saturating_add(1);
-        let count = *count;
+        let count = self.hydrogens[parent].max(1);
         let digit = |n: u8| if n < 10 { b'0' + n } else { b'0' };
         let letter = |n: u8| b'A' + n % 26;
         let named = |stem: &[u8], end: &[u8]| {
@@ -193,17 +200,19 @@ impl Namer {
             }
             out
         };
-        [
-            named(suffix, &[]),
-            named(suffix, &[digit(count)]),
-            named(suffix, &[digit(count.saturating_add(1))]),
-            named(name, &[]),
-            named(name, &[digit(count)]),
-            named(suffix, &[letter(count - 1)]),
-            if count < 2 { named(suffix, &[]) } else { named(suffix, &[letter(count - 2)]) },
-            counted_on(before),
-            stepped(before),
-        ]
+        match which {
+            0 => named(suffix, &[]),
+            1 => named(suffix, &[digit(count)]),
+            2 => named(suffix, &[digit(count.saturating_add(1))]),
+            3 => named(name, &[]),
+            4 => named(name, &[digit(count)]),
+            5 => named(suffix, &[letter(count - 1)]),
+            6 if count < 2 => named(suffix, &[]),
+            6 => named(suffix, &[letter(count - 2)]),
+            7 => counted_on(before),
+            8 => stepped(before),
+            _ => [0; 4],
+        }
     }
 
     /// Tells the name of the atom that was next.
