@@ -41,13 +41,12 @@ pub(super) fn find(graph: &Graph<'_>, order: &dyn Fn(u32) -> u8, is_known: &dyn 
     for atom in (0..graph.atom_count()).filter(|&atom| is_heavy(graph.elements[atom])) {
         let mut charge = of(atom);
         let element = graph.elements[atom];
-        if charge == 0 && matches!(element.z(), 6..=8) && graph.held(atom).hydrogens == 0 {
-            if let [only] = graph.around(atom) {
-                let beside = only.atom as usize;
-                let is_positive = matches!(graph.elements[beside].z(), 7 | 8) && of(beside) == 1;
-                let is_short = valence(atom) + 1 == usual_valence(element);
-                charge = if is_positive && is_short { -1 } else { 0 };
-            }
+        let may_end = charge == 0 && matches!(element.z(), 6..=8) && graph.held(atom).hydrogens == 0;
+        if let ([only], true) = (graph.around(atom), may_end) {
+            let beside = only.atom as usize;
+            let is_positive = matches!(graph.elements[beside].z(), 7 | 8) && of(beside) == 1;
+            let is_short = valence(atom) + 1 == usual_valence(element);
+            charge = if is_positive && is_short { -1 } else { 0 };
         }
         if charge != 0 {
             charges.push((atom as u32, charge));

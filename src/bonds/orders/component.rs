@@ -155,29 +155,15 @@ impl<'s, 'a> Component<'s, 'a> {
         for (place, &atom) in atoms.iter().enumerate() {
             let atom = atom as usize;
             let around = graph.around(atom);
-            let mut states = Vec::new();
-            let allowed = |slot: usize| setup.limits[around[slot].bond as usize];
-            states::states(
-                graph,
-                &setup.kinds,
-                atom,
-                setup.sites[atom].hydrogens,
-                setup.fixed_extra(atom),
-                most_cost,
-                allowed,
-                &mut states,
-            );
+            let (hydrogens, fixed) = (setup.sites[atom].hydrogens, setup.fixed_extra(atom));
+            let within = |most_cost: f32| {
+                states::states(graph, &setup.kinds, atom, hydrogens, fixed, most_cost, |slot| {
+                    setup.limits[around[slot].bond as usize]
+                })
+            };
+            let mut states = within(most_cost);
             if states.is_empty() {
-                states::states(
-                    graph,
-                    &setup.kinds,
-                    atom,
-                    setup.sites[atom].hydrogens,
-                    setup.fixed_extra(atom),
-                    f32::INFINITY,
-                    allowed,
-                    &mut states,
-                );
+                states = within(f32::INFINITY);
             }
             all.push(states);
             for (slot, neighbour) in around.iter().enumerate().take(MOST_NEIGHBOURS) {

@@ -77,9 +77,8 @@ pub(super) fn of_atom(
     sink(pack(3, &[(class, 10), (pi, 3), (mix, 32)]), 1.0);
     if around.len() == 3 && (state.pi == 0 || state.sum() == 1) && graph.has_geometry() {
         // The angle opposite to a double bond is narrow.
-        for slot in 0..3 {
+        for (slot, neighbour) in around.iter().enumerate() {
             let angle = angle_interval(graph, atom, (slot + 1) % 3, (slot + 2) % 3);
-            let neighbour = around[slot];
             let beside = site_of(neighbour.atom as usize);
             let facts = [
                 (u64::from(site.element), 4),

@@ -97,9 +97,8 @@ fn choices(
     let fixed = |order: BondOrder| usize::from(order.number().saturating_sub(1));
     let fixed_extra: usize = around.iter().map(|next| fixed(graph.bonds()[next.bond as usize].order)).sum();
     let hydrogens = if is_known { graph.held(atom).hydrogens } else { UNKNOWN };
-    let mut found = Vec::new();
     let allowed = |slot: usize| u8::from(is_open(around[slot].bond));
-    states::states(graph, kinds, atom, hydrogens, fixed_extra, f32::INFINITY, allowed, &mut found);
+    let mut found = states::states(graph, kinds, atom, hydrogens, fixed_extra, f32::INFINITY, allowed);
     // Only the heavier elements have two double bonds in such groups: sulfonates, perchlorate.
     found.retain(|(state, _)| state.sum() <= 1 || element.period() > 2);
     let stated = structure.formal_charge(atom);

@@ -104,7 +104,7 @@ fn open_bonds(elements: &[Element], bonds: &[Bond]) -> Vec<bool> {
     let says_more = |bond: &Bond| bond.source == BondSource::File && (bond.order > BondOrder::Single || bond.aromatic);
     if bonds.iter().any(says_more) {
         let graph = Graph::new(elements, &[], bonds, None);
-        let speaks: Vec<bool> = bonds.iter().map(|bond| says_more(bond)).collect();
+        let speaks: Vec<bool> = bonds.iter().map(says_more).collect();
         for atoms in molecules(&graph) {
             let of = |atom: &u32| graph.around(*atom as usize).iter().map(|neighbour| neighbour.bond as usize);
             if atoms.iter().flat_map(of).any(|bond| speaks[bond]) {

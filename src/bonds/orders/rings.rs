@@ -190,3 +190,35 @@ impl Search {
         }));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::Element;
+    use crate::structure::{Bond, BondOrder, BondSource};
+
+    fn sizes(atoms: usize, pairs: &[(u32, u32)]) -> Vec<usize> {
+        let bonds: Vec<Bond> =
+            pairs.iter().map(|&(a, b)| Bond::new(a, b, BondOrder::Single, BondSource::File)).collect();
+        let elements = vec![Element::C; atoms];
+        let graph = Graph::new(&elements, &[], &bonds, None);
+        find(&graph, |_| true, LARGEST_RING).iter().map(Ring::len).collect()
+    }
+
+    #[test]
+    fn fused_bridged_and_cage_rings_are_found_once_each() {
+        let six = [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (0, 5)];
+        assert_eq!(sizes(6, &six), [6]);
+        let naphthalene = [&six[..], &[(4, 6), (6, 7), (7, 8), (8, 9), (5, 9)]].concat();
+        assert_eq!(sizes(10, &naphthalene), [6, 6]);
+        let norbornane = [&six[..], &[(0, 6), (3, 6)]].concat();
+        assert_eq!(sizes(7, &norbornane), [5, 5]);
+        let cubane: Vec<(u32, u32)> =
+            (0..8u32).flat_map(|i| [1, 2, 4].map(|bit| (i, i ^ bit))).filter(|&(a, b)| a < b).collect();
+        assert_eq!(sizes(8, &cubane), [4; 6]);
+        let chain: Vec<(u32, u32)> = (0..9).map(|i| (i, i + 1)).collect();
+        assert_eq!(sizes(10, &chain), [0; 0]);
+        let large: Vec<(u32, u32)> = (0..9).map(|i| (i.min((i + 1) % 9), i.max((i + 1) % 9))).collect();
+        assert_eq!(sizes(9, &large), [0; 0]);
+    }
+}

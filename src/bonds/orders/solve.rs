@@ -394,3 +394,65 @@ fn eliminate(
     }
     (scores, best)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn random(seed: &mut u64) -> f32 {
+        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    /// A ring of variables with some chords and some forbidden pairs.
+    fn problem(count: u32, seed: &mut u64) -> Problem {
+        let mut problem = Problem::default();
+        for _ in 0..count {
+            let states = 2 + (random(seed) * 3.0) as usize;
+            problem.unary.push((0..states).map(|_| random(seed)).collect());
+        }
+        let chords = (0..count / 2).map(|i| (i, i + count / 2));
+        for (a, b) in (1..count).map(|i| (i - 1, i)).chain(std::iter::once((0, count - 1))).chain(chords) {
+            let entries = problem.unary[a as usize].len() * problem.unary[b as usize].len();
+            // The first states always fit.
+            let score =
+                |i: usize, seed: &mut u64| if i > 0 && random(seed) < 0.3 { f32::NEG_INFINITY } else { random(seed) };
+            problem.pairs.push((a, b, (0..entries).map(|i| score(i, seed)).collect()));
+        }
+        problem
+    }
+
+    fn best_of_all(problem: &Problem) -> f32 {
+        let mut chosen = vec![0u8; problem.unary.len()];
+        let mut best = f32::NEG_INFINITY;
+        loop {
+            best = best.max(problem.score(&chosen));
+            let next = (0..chosen.len()).find(|&i| usize::from(chosen[i]) + 1 < problem.unary[i].len());
+            let Some(next) = next else { return best };
+            chosen[next] += 1;
+            chosen[..next].fill(0);
+        }
+    }
+
+    #[test]
+    fn the_choice_is_the_best_of_all() {
+        let mut seed = 1;
+        for _ in 0..40 {
+            let problem = problem(7, &mut seed);
+            let score = problem.score(&problem.solve());
+            assert!((score - best_of_all(&problem)).abs() < 1e-4, "{score}");
+        }
+    }
+
+    #[test]
+    fn settling_some_beforehand_still_gives_a_choice_that_fits() {
+        let mut seed = 2;
+        for _ in 0..40 {
+            let problem = problem(8, &mut seed);
+            let chosen = Elimination::new(&problem).run(16, usize::MAX, true).unwrap();
+            assert_eq!(chosen.len(), 8);
+            let best = best_of_all(&problem);
+            assert!(problem.score(&chosen) <= best + 1e-4);
+        }
+    }
+}

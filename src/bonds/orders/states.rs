@@ -173,8 +173,8 @@ pub(super) fn states(
     fixed_extra: usize,
     most_cost: f32,
     allowed: impl Fn(usize) -> u8,
-    out: &mut Vec<(State, f32)>,
-) {
+) -> Vec<(State, f32)> {
+    let mut out = Vec::new();
     let held = graph.held(atom);
     let element = graph.elements[atom];
     let degree = graph.degree(atom);
@@ -199,4 +199,5 @@ pub(super) fn states(
             _ => {}
         }
     }
+    out
 }
