@@ -368,7 +368,6 @@ impl<'a> Atoms<'a> {
                 charge @ -9..=-1 => format!("{}-", -charge),
                 _ => "  ".to_owned(),
             };
-            let symbol = if structure.elements()[atom] == Element::DUMMY { "" } else { symbol };
             writeln!(out, "{occupancy}{b_factor}          {:>2}{charge}", symbol.to_ascii_uppercase())?;
         }
         if polymer.is_some() {

@@ -70,11 +70,11 @@ pub(super) fn bonds(block: &impl Block, diagnostics: &mut Diagnostics) -> Vec<Co
     components
 }
 
-/// Columns of one set of coordinates, and what they are.
-const COORDINATES: [([&str; 3], &str); 3] = [
-    (["pdbx_model_Cartn_x_ideal", "pdbx_model_Cartn_y_ideal", "pdbx_model_Cartn_z_ideal"], "ideal coordinates"),
-    (["model_Cartn_x", "model_Cartn_y", "model_Cartn_z"], "model coordinates"),
-    (["x", "y", "z"], "coordinates of the restraint dictionary"),
+/// Columns of the sets of coordinates: ideal ones, those of a model, those of a restraint dictionary.
+const COORDINATES: [[&str; 3]; 3] = [
+    ["pdbx_model_Cartn_x_ideal", "pdbx_model_Cartn_y_ideal", "pdbx_model_Cartn_z_ideal"],
+    ["model_Cartn_x", "model_Cartn_y", "model_Cartn_z"],
+    ["x", "y", "z"],
 ];
 
 /// The components of a block without `_atom_site`, each a record; nothing for a block without any.
@@ -84,7 +84,7 @@ const COORDINATES: [([&str; 3], &str); 3] = [
 pub(super) fn read_ligands(block: &impl Block, records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
     let Some(table) = block.table(Category::ChemCompAtom) else { return Ok(()) };
     let component = table.column("comp_id");
-    let sets = COORDINATES.map(|(items, _)| items.map(|item| table.column(item)));
+    let sets = COORDINATES.map(|items| items.map(|item| table.column(item)));
     // Rows by component, in the order they come.
     let mut components: Vec<(String, Vec<usize>)> = Vec::new();
     let mut by_name: HashMap<String, usize> = HashMap::new();
@@ -115,7 +115,6 @@ pub(super) fn read_ligands(block: &impl Block, records: &mut Records, diagnostic
         let set = counts.iter().position(|&count| count == most).unwrap_or(0);
         let ligand = Ligand { name, rows, columns: sets[set] };
         let mut builder = ligand.atoms(block, &table, diagnostics);
-        builder.set_frame_title(COORDINATES[set].1);
         if set == 1 {
             let message = format!(
                 "{}: the ideal coordinates are missing or not whole; those of the model are used",
