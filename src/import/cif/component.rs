@@ -2,7 +2,7 @@
 //!
 //! A ligand file (an entry of the Chemical Component Dictionary, a restraint dictionary) has no `_atom_site`; each of
 //! its components is a record. Its ideal coordinates are preferred, as they are whole and computed; else those of the
-//! model it was taken from, else the plain `x`, `y`, `z` of restraint dictionaries. The frame's title says which.
+//! model it was taken from, else the plain `x`, `y`, `z` of restraint dictionaries. The title says which.
 
 use super::label::{element_of_name, type_symbol};
 use super::table::{Block, Category, Row, Table};
@@ -113,9 +113,8 @@ pub(super) fn read_ligands(block: &impl Block, records: &mut Records, diagnostic
         }
         // The first set with the most atoms.
         let set = counts.iter().position(|&count| count == most).unwrap_or(0);
-        let ligand = Ligand { name, rows, columns: sets[set] };
+        let ligand = Ligand { name, rows, columns: sets[set], coordinates: COORDINATES[set].1 };
         let mut builder = ligand.atoms(block, &table, diagnostics);
-        builder.set_frame_title(COORDINATES[set].1);
         if set == 1 {
             let message = format!(
                 "{}: the ideal coordinates are missing or not whole; those of the model are used",
@@ -137,6 +136,8 @@ struct Ligand<'l> {
     name: &'l str,
     rows: &'l [usize],
     columns: [super::table::Column; 3],
+    /// What they are.
+    coordinates: &'static str,
 }
 
 impl Ligand<'_> {
@@ -153,7 +154,7 @@ impl Ligand<'_> {
 
     fn atoms(&self, block: &impl Block, table: &impl Table, diagnostics: &mut Diagnostics) -> StructureBuilder {
         let mut builder = StructureBuilder::new();
-        builder.set_title(title(block, self.name));
+        builder.set_title(format!("{}, {}", title(block, self.name), self.coordinates));
         let name_column = table.column("atom_id");
         let [symbol, charge] = ["type_symbol", "charge"].map(|item| table.column(item));
         let (mut decimals, mut unknown) = (0, Repeated::default());
