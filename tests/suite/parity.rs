@@ -3,7 +3,7 @@
 //! Without an adapter the tests print `SKIP` and the reason; `BALLSTICK_GPU=require` turns that into a failure.
 
 use crate::scenes::{self, Case};
-use ballstick::bonds::{BondOptions, assign};
+use ballstick::crystal::{self, CrystalOptions};
 use ballstick::import::{ImportOptions, read_path};
 use ballstick::render::cpu::CpuRenderer;
 use ballstick::render::gpu::{AdapterWish, GpuRenderer, adapters};
@@ -200,18 +200,20 @@ fn gpu_and_cpu_draw_the_same_molecules() {
     let Some(mut gpu) = gpu() else { return };
     let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
     let mut files: Vec<_> = std::fs::read_dir(data).unwrap().map(|entry| entry.unwrap().path()).collect();
-    files.retain(|path| path.is_file() && path.extension().is_none_or(|extension| extension != "md"));
+    // Notes, the schema and the dictionary are no molecules.
+    let is_molecule = |name: &str| ![".md", ".schema.json", ".bin"].iter().any(|ending| name.ends_with(ending));
+    files.retain(|path| path.is_file() && is_molecule(&path.to_string_lossy()));
     files.sort();
     assert!(files.len() > 5, "data/ is missing");
     let mut wrong = Vec::new();
     for (i, path) in files.iter().enumerate() {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let document = read_path(path, &ImportOptions::default()).unwrap();
-        let structure = assign(document.records[0].clone(), &BondOptions::default());
+        let drawn = crystal::draw(document.records[0].clone(), &CrystalOptions::default()).unwrap();
         let style = [Style::BallAndStick, Style::Licorice, Style::SpaceFilling][i % 3];
         let options = SceneOptions { style, perspective: i % 2 == 0, ..SceneOptions::default() };
-        let scene = Scene::new(&[Item::of(&structure)], &options);
-        let scale = if structure.atom_count() > 200 { 8 } else { 2 };
+        let scene = Scene::new(&[Item::drawn(&drawn, None)], &options);
+        let scale = if drawn.structure.atom_count() > 200 { 8 } else { 2 };
         let mut view = View::new(scene.fitted_camera(16.0 / 9.0), 320 * scale, 180 * scale);
         view.region = Some(Region { x: 160 * (scale - 1), y: 90 * (scale - 1), width: 320, height: 180 });
         if let Err(error) = judge(&mut gpu, &name, &Arc::new(scene), &view) {

@@ -2,7 +2,7 @@
 //!
 //! A ligand file (an entry of the Chemical Component Dictionary, a restraint dictionary) has no `_atom_site`; each of
 //! its components is a record. Its ideal coordinates are preferred, as they are whole and computed; else those of the
-//! model it was taken from, else the plain `x`, `y`, `z` of restraint dictionaries. The frame's title says which.
+//! model it was taken from, else the plain `x`, `y`, `z` of restraint dictionaries. The title says which.
 
 use super::label::{element_of_name, type_symbol};
 use super::table::{Block, Category, Row, Table};
@@ -70,11 +70,11 @@ pub(super) fn bonds(block: &impl Block, diagnostics: &mut Diagnostics) -> Vec<Co
     components
 }
 
-/// Columns of the sets of coordinates: ideal ones, those of a model, those of a restraint dictionary.
-const COORDINATES: [[&str; 3]; 3] = [
-    ["pdbx_model_Cartn_x_ideal", "pdbx_model_Cartn_y_ideal", "pdbx_model_Cartn_z_ideal"],
-    ["model_Cartn_x", "model_Cartn_y", "model_Cartn_z"],
-    ["x", "y", "z"],
+/// Columns of one set of coordinates, and what they are.
+const COORDINATES: [([&str; 3], &str); 3] = [
+    (["pdbx_model_Cartn_x_ideal", "pdbx_model_Cartn_y_ideal", "pdbx_model_Cartn_z_ideal"], "ideal coordinates"),
+    (["model_Cartn_x", "model_Cartn_y", "model_Cartn_z"], "model coordinates"),
+    (["x", "y", "z"], "coordinates of the restraint dictionary"),
 ];
 
 /// The components of a block without `_atom_site`, each a record; nothing for a block without any.
@@ -84,7 +84,7 @@ const COORDINATES: [[&str; 3]; 3] = [
 pub(super) fn read_ligands(block: &impl Block, records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
     let Some(table) = block.table(Category::ChemCompAtom) else { return Ok(()) };
     let component = table.column("comp_id");
-    let sets = COORDINATES.map(|items| items.map(|item| table.column(item)));
+    let sets = COORDINATES.map(|(items, _)| items.map(|item| table.column(item)));
     // Rows by component, in the order they come.
     let mut components: Vec<(String, Vec<usize>)> = Vec::new();
     let mut by_name: HashMap<String, usize> = HashMap::new();
@@ -113,7 +113,7 @@ pub(super) fn read_ligands(block: &impl Block, records: &mut Records, diagnostic
         }
         // The first set with the most atoms.
         let set = counts.iter().position(|&count| count == most).unwrap_or(0);
-        let ligand = Ligand { name, rows, columns: sets[set] };
+        let ligand = Ligand { name, rows, columns: sets[set], coordinates: COORDINATES[set].1 };
         let mut builder = ligand.atoms(block, &table, diagnostics);
         if set == 1 {
             let message = format!(
@@ -136,6 +136,8 @@ struct Ligand<'l> {
     name: &'l str,
     rows: &'l [usize],
     columns: [super::table::Column; 3],
+    /// What they are.
+    coordinates: &'static str,
 }
 
 impl Ligand<'_> {
@@ -152,7 +154,7 @@ impl Ligand<'_> {
 
     fn atoms(&self, block: &impl Block, table: &impl Table, diagnostics: &mut Diagnostics) -> StructureBuilder {
         let mut builder = StructureBuilder::new();
-        builder.set_title(title(block, self.name));
+        builder.set_title(format!("{}, {}", title(block, self.name), self.coordinates));
         let name_column = table.column("atom_id");
         let [symbol, charge] = ["type_symbol", "charge"].map(|item| table.column(item));
         let (mut decimals, mut unknown) = (0, Repeated::default());

@@ -190,6 +190,9 @@ pub(in crate::import) fn guess(name: &[u8], residue: &[u8], aligned: impl FnOnce
     let letters = letters(name);
     let Some(&first) = letters.first() else { return Guess::UNKNOWN };
     let trimmed = name.trim_ascii();
+    if residue == b"UNX" {
+        return Guess::UNKNOWN; // wwPDB's residue of one atom, named UNK, that nobody knows the element of
+    }
     if letters.starts_with(b"LP") {
         return Guess::PARTICLE; // lone pairs of force fields: LP1, LPA
     }
@@ -336,6 +339,7 @@ mod tests {
             (" EPW", "WAT", "particle"),
             (" LP1", "LIG", "particle"),
             (" A  ", "XXX", "X"),
+            (" UNK", "UNX", "X"),
             ("    ", "LIG", "X"),
             ("1234", "LIG", "X"),
         ] {
