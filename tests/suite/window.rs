@@ -85,6 +85,7 @@ fn the_window_shows_turns_zooms_and_saves_what_render_draws() {
     };
     let folder = tempfile::tempdir().unwrap();
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data/caffeine.sdf");
+    let said = tempfile::NamedTempFile::new().unwrap();
     let mut window = Running(
         Command::new(BALLSTICK)
             .arg(&file)
@@ -93,11 +94,17 @@ fn the_window_shows_turns_zooms_and_saves_what_render_draws() {
             .env_remove("WAYLAND_DISPLAY")
             .current_dir(&folder)
             .stdout(Stdio::null())
-            .stderr(Stdio::null())
+            .stderr(said.reopen().unwrap())
             .spawn()
             .unwrap(),
     );
+    let started = Instant::now();
     let id = wait_for("the window", || {
+        // A program that has ended, or that says why it waits, is worth more than the time-out.
+        let ended = window.0.try_wait().unwrap();
+        let is_late = started.elapsed() > Duration::from_secs(50);
+        let text = || std::fs::read_to_string(said.path()).unwrap_or_default();
+        assert!(ended.is_none() && !is_late, "no window, {ended:?}: {:?}", text());
         Some(xdotool(&display, &["search", "--name", "caffeine"])).filter(|id| !id.is_empty())
     });
     xdotool(&display, &["windowsize", "--sync", &id, "400", "300"]);
