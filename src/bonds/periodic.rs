@@ -13,7 +13,6 @@ use super::rules::{self, PairTable};
 use super::{BondOptions, distance};
 use crate::structure::{Bond, Cell, Positions, Structure};
 use glam::{DVec3, IVec3};
-use std::collections::HashMap;
 
 /// The images of this many atoms are always affordable; of a larger structure, [`IMAGES_PER_ATOM`].
 const MOST_IMAGES: usize = 200_000;
@@ -148,22 +147,36 @@ impl Extended {
         if settled.is_empty() {
             return Vec::new();
         }
-        let mut cells_of: HashMap<u32, Vec<(IVec3, u32)>> = HashMap::new();
-        for index in 0..self.all.atom_count() as u32 {
-            let (atom, shift) = self.place(index);
-            cells_of.entry(atom).or_default().push((shift, index));
+        // The images of each atom, as numbers among all images.
+        let mut first = vec![0u32; self.atom_count + 1];
+        for &(atom, _) in &self.images {
+            first[atom as usize + 1] += 1;
         }
-        let mut everywhere = Vec::new();
+        for atom in 0..self.atom_count {
+            first[atom + 1] += first[atom];
+        }
+        let mut next = first.clone();
+        let mut of_atom = vec![0u32; self.images.len()];
+        for (image, &(atom, _)) in self.images.iter().enumerate() {
+            let slot = &mut next[atom as usize];
+            of_atom[*slot as usize] = image as u32;
+            *slot += 1;
+        }
+        let copies = |atom: u32| {
+            let images = &of_atom[first[atom as usize] as usize..first[atom as usize + 1] as usize];
+            let copy = |&image: &u32| (self.images[image as usize].1, self.atom_count as u32 + image);
+            std::iter::once((IVec3::ZERO, atom)).chain(images.iter().map(copy))
+        };
+        let mut everywhere = Vec::with_capacity(settled.len() + settled.len() / 4);
         for bond in settled {
-            let step =
-                IVec3::from_array(bond.image.map(i32::from)) - self.home[bond.a as usize] + self.home[bond.b as usize];
-            let (Some(of_a), Some(of_b)) = (cells_of.get(&bond.a), cells_of.get(&bond.b)) else { continue };
-            for &(shift, a) in of_a {
-                let partner = of_b.iter().find(|&&(other, _)| other == shift + step);
-                everywhere.extend(partner.map(|&(_, b)| Bond { a, b, image: [0; 3], ..*bond }.turned()));
+            let [home_a, home_b] = [bond.a, bond.b].map(|atom| self.home[atom as usize]);
+            let step = IVec3::from_array(bond.image.map(i32::from)) - home_a + home_b;
+            for (shift, a) in copies(bond.a) {
+                let partner = copies(bond.b).find(|&(other, _)| other == shift + step);
+                everywhere.extend(partner.map(|(_, b)| Bond { a, b, image: [0; 3], ..*bond }.turned()));
             }
         }
-        everywhere.sort_unstable_by_key(Bond::key);
+        everywhere.sort_by_key(Bond::key); // nearly sorted already
         everywhere
     }
 }
