@@ -1,6 +1,8 @@
 //! Bonds in atoms per second: from distances (atoms of no known residue), and from the dictionary (protein); and what it
 //! takes to look components up.
 
+#![allow(clippy::expect_used, reason = "without the file there is nothing to measure")]
+
 mod common;
 
 use ballstick::bonds::{BondMode, BondOptions, find};
@@ -13,7 +15,6 @@ use std::hint::black_box;
 const SPACING: f64 = 12.0;
 
 /// Copies of caffeine side by side, about so many atoms: every bond order is to be found.
-#[expect(clippy::expect_used, reason = "without the file there is nothing to measure")]
 fn caffeine(count: usize) -> Structure {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/caffeine.sdf");
     let document = ballstick::import::read_path(&path, &ballstick::import::ImportOptions::default());

@@ -5,6 +5,7 @@
 //! that no coordinate repeats.
 
 #![allow(dead_code, reason = "each bench uses a part of it")]
+#![allow(clippy::expect_used, reason = "without the file there is nothing to measure")]
 
 pub(crate) mod bcif;
 
