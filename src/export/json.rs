@@ -16,7 +16,7 @@
 //!   `hetero` (false), `particle` (lone pairs, dummies: true for `X`, false for all else).
 //! - A bond has `atoms` (0-based), `order` (0 unknown or none, 1–4; aromatic bonds have that of a Kekulé form), `kind`
 //!   (covalent, coordination, dative, hydrogen), `aromatic`, `source` (file, link, dictionary, distance); `image`
-//!   only if it is not [0,0,0]: the cell vectors to add to the second atom.
+//!   only if it is not all 0: the cell vectors to add to the second atom.
 //! - `cell` is null or has `a`, `b`, `c` (Å), `alpha`, `beta`, `gamma` (degrees); and `vectors`, the three vectors in
 //!   ångström, which then hold, only where the six numbers do not give them to the last digit (**a** along x, **b** in the xy plane).
 //! - `title` is there only if there is one.

@@ -23,7 +23,8 @@ impl Drop for Running {
 fn virtual_display() -> Result<(Running, String), String> {
     use std::io::{BufRead, BufReader};
     let mut child = Command::new("Xvfb")
-        .args(["-displayfd", "1", "-screen", "0", "1000x800x24", "-nolisten", "tcp"])
+        // Without -noreset the server starts anew when its last client leaves: xdotool, while the program connects.
+        .args(["-displayfd", "1", "-screen", "0", "1000x800x24", "-nolisten", "tcp", "-noreset"])
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
