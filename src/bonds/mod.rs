@@ -168,7 +168,10 @@ fn find_all(structure: &Structure, frame: usize, options: &BondOptions) -> (Vec<
         return (bonds, known);
     }
     let more = hbonds::find(structure, positions, &bonds);
-    (merge(bonds, more), known)
+    let mut bonds = merge(bonds, more);
+    // What the file states as a hydrogen bond is not found again.
+    bonds.dedup_by_key(|bond| bond.key());
+    (bonds, known)
 }
 
 /// What the file states, completed by what the residues are known to be: from the file alone or from the dictionary, too.

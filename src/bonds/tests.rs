@@ -436,3 +436,24 @@ fn the_order_of_the_atoms_and_a_turn_change_nothing() {
 fn assign_gives_the_structure_its_bonds() {
     assert_eq!(assign(structure(&WATER), &BondOptions::default()).bonds().len(), 2);
 }
+
+#[test]
+fn a_hydrogen_bond_that_the_file_states_is_there_once() {
+    // Two waters, one giving its hydrogen to the other.
+    let water =
+        [("O", 0.0, 0.0), ("H", 0.96, 0.0), ("H", -0.24, 0.93), ("O", 2.9, 0.0), ("H", 3.2, 0.9), ("H", 3.2, -0.9)];
+    let mut builder = StructureBuilder::new();
+    for (symbol, x, y) in water {
+        let element = Element::from_symbol(symbol).unwrap();
+        builder.push_atom(&AtomRecord { element, position: DVec3::new(x, y, 0.0), ..AtomRecord::default() });
+    }
+    let stated = Bond { kind: BondKind::Hydrogen, ..Bond::new(0, 3, BondOrder::Unknown, BondSource::Link) };
+    builder.push_bond(stated);
+    builder.set_stated_bonds(StatedBonds::Partial);
+    let structure = builder.build(&mut Diagnostics::default());
+    let options = BondOptions { hydrogen_bonds: true, ..BondOptions::default() };
+    let found = find(&structure, 0, &options);
+    let hydrogen: Vec<&Bond> = found.iter().filter(|bond| bond.kind == BondKind::Hydrogen).collect();
+    assert_eq!(hydrogen, [&stated]);
+    assert_eq!(found.len(), 5);
+}

@@ -1,6 +1,6 @@
 //! From a path to structures with bonds: reading, picking record and frame, finding bonds.
 
-use super::args::{BondArgs, CrystalArgs, Named, SelectArgs};
+use super::args::{BondArgs, CellArg, CrystalArgs, Named, SelectArgs};
 use super::report::Report;
 use super::values::RecordChoice;
 use crate::bonds::{self, BondMode, BondOptions};
@@ -56,8 +56,15 @@ pub(super) fn load_for_picture(
     let drawn: Result<Vec<Drawn>> =
         structures.into_iter().map(|structure| drawn(structure, bond_args, crystal_args)).collect();
     let drawn = drawn?;
-    if crystal_args.supercell.is_several() && drawn.iter().all(|drawn| drawn.cell.is_none()) {
-        report.warn(path, "--supercell has no effect: the file states no unit cell");
+    let is_asked = crystal_args.supercell.is_several() || crystal_args.cell == CellArg::Full;
+    if is_asked && !drawn.iter().any(|drawn| drawn.is_cell_content) {
+        let why = match drawn.iter().any(|drawn| drawn.cell.is_some()) {
+            true => {
+                "the file lists no symmetry operations by which its atoms fill the cell, or the cell is a placeholder"
+            }
+            false => "the file states no unit cell",
+        };
+        report.warn(path, &format!("--cell full and --supercell have no effect: {why}; the atoms are drawn as listed"));
     }
     seconds.bonds += started.elapsed().as_secs_f64();
     Ok(drawn)
