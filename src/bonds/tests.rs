@@ -447,7 +447,7 @@ fn a_hydrogen_bond_that_the_file_states_is_there_once() {
         let element = Element::from_symbol(symbol).unwrap();
         builder.push_atom(&AtomRecord { element, position: DVec3::new(x, y, 0.0), ..AtomRecord::default() });
     }
-    let stated = Bond { kind: BondKind::Hydrogen, ..Bond::new(0, 3, BondOrder::Unknown, BondSource::Link) };
+    let stated = Bond { kind: BondKind::Hydrogen, ..Bond::new(1, 3, BondOrder::Unknown, BondSource::Link) };
     builder.push_bond(stated);
     builder.set_stated_bonds(StatedBonds::Partial);
     let structure = builder.build(&mut Diagnostics::default());
