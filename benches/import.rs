@@ -13,13 +13,13 @@ type Writer = (&'static str, fn(usize) -> Vec<u8>);
 
 fn import(c: &mut Criterion) {
     let formats: [Writer; 11] = [
-        ("pdb", |size| common::pdb(size).into_bytes()),
-        ("cif", |size| common::cif(size).into_bytes()),
-        ("xyz", |size| common::xyz(size).into_bytes()),
-        ("sdf", |size| common::sdf(size).into_bytes()),
-        ("sdf-v3000", |size| common::v3000(size).into_bytes()),
-        ("mol2", |size| common::mol2(size).into_bytes()),
-        ("json", |size| common::json(size).into_bytes()),
+        ("pdb", |size| common::written("pdb", size)),
+        ("cif", |size| common::written("cif", size)),
+        ("xyz", |size| common::written("xyz", size)),
+        ("sdf", |size| common::written("sdf", size)),
+        ("sdf-v3000", |size| common::written("sdf-v3000", size)),
+        ("mol2", |size| common::written("mol2", size)),
+        ("json", |size| common::written("json", size)),
         ("bcif", common::bcif::file),
         ("poscar", |size| common::poscar(size).into_bytes()),
         ("cube", |size| common::cube(size).into_bytes()),

@@ -10,7 +10,8 @@
 pub(crate) mod bcif;
 
 use ballstick::element::Element;
-use ballstick::structure::{AtomRecord, Diagnostics, Structure, StructureBuilder};
+use ballstick::export::formats::StructureFormat;
+use ballstick::structure::{AtomRecord, Bond, BondOrder, BondSource, Diagnostics, Structure, StructureBuilder};
 use glam::DVec3;
 use std::fmt::Write;
 
@@ -110,140 +111,26 @@ pub(crate) fn protein(count: usize) -> Structure {
     builder.build(&mut Diagnostics::default())
 }
 
-/// The atoms as PDB text: hybrid-36 is not needed, serials wrap as many programs let them.
-pub(crate) fn pdb(count: usize) -> String {
-    let mut text = String::with_capacity(count * 81);
-    for (n, (symbol, p)) in atoms(count).into_iter().enumerate() {
-        let (serial, residue) = (n % 99_999 + 1, residue(n));
-        let _ = writeln!(
-            text,
-            "ATOM  {serial:5}  {symbol:<3} UNL A{residue:4}    {:8.3}{:8.3}{:8.3}  1.00 20.00          {symbol:>2}  ",
-            p.x, p.y, p.z
-        );
-    }
-    text.push_str("END\n");
-    text
+/// The atoms as a file of this format as the program writes it; without bonds where a structure's own are not listed as
+/// a rule, else with the chain as its bonds, and in SDF as records of 50 atoms, as in a file of small molecules.
+pub(crate) fn written(format: &str, count: usize) -> Vec<u8> {
+    let whole = structure(count);
+    let records = match format {
+        "pdb" | "cif" | "xyz" => vec![whole],
+        "sdf" => (0..count).step_by(50).map(|first| chain(&whole, first..count.min(first + 50))).collect(),
+        _ => vec![chain(&whole, 0..count)],
+    };
+    let format = StructureFormat::from_name(format).expect("a format that is written");
+    let mut file = Vec::new();
+    (format.write)(&records, &mut file).expect("memory takes everything");
+    file
 }
 
-/// The atoms as mmCIF text, with the columns that the PDB gives out.
-pub(crate) fn cif(count: usize) -> String {
-    let mut text = String::with_capacity(count * 100);
-    text.push_str("data_bench\n#\nloop_\n");
-    for item in [
-        "group_PDB",
-        "id",
-        "type_symbol",
-        "label_atom_id",
-        "label_alt_id",
-        "label_comp_id",
-        "label_asym_id",
-        "label_entity_id",
-        "label_seq_id",
-        "pdbx_PDB_ins_code",
-        "Cartn_x",
-        "Cartn_y",
-        "Cartn_z",
-        "occupancy",
-        "B_iso_or_equiv",
-        "pdbx_formal_charge",
-        "auth_seq_id",
-        "auth_comp_id",
-        "auth_asym_id",
-        "auth_atom_id",
-        "pdbx_PDB_model_num",
-    ] {
-        let _ = writeln!(text, "_atom_site.{item}");
-    }
-    for (n, (symbol, p)) in atoms(count).into_iter().enumerate() {
-        let residue = residue(n);
-        let _ = writeln!(
-            text,
-            "ATOM {:<7} {symbol} {symbol:<4} . UNL A 1 {residue:<4} ? {:.3} {:.3} {:.3} 1.00 20.00 ? {residue:<4} UNL A {symbol:<4} 1",
-            n + 1,
-            p.x,
-            p.y,
-            p.z
-        );
-    }
-    text.push_str("#\n");
-    text
-}
-
-/// The atoms as XYZ text.
-pub(crate) fn xyz(count: usize) -> String {
-    let mut text = format!("{count}\na folded chain\n");
-    for (symbol, p) in atoms(count) {
-        let _ = writeln!(text, "{symbol} {:.3} {:.3} {:.3}", p.x, p.y, p.z);
-    }
-    text
-}
-
-/// The atoms as SD records (V2000) of 50 atoms, as in a file of small molecules, the chain as their bonds.
-pub(crate) fn sdf(count: usize) -> String {
-    let mut text = String::with_capacity(count * 90);
-    for (record, atoms) in atoms(count).chunks(50).enumerate() {
-        let _ = writeln!(text, "chain {record}\n  bench\n");
-        let _ = writeln!(text, "{:3}{:3}  0  0  0  0            999 V2000", atoms.len(), atoms.len() - 1);
-        for (symbol, p) in atoms {
-            let zeros = "  0".repeat(11);
-            let _ = writeln!(text, "{:10.4}{:10.4}{:10.4} {symbol:<3} 0{zeros}", p.x, p.y, p.z);
-        }
-        for n in 1..atoms.len() {
-            let _ = writeln!(text, "{n:3}{:3}  1  0", n + 1);
-        }
-        text.push_str("M  END\n$$$$\n");
-    }
-    text
-}
-
-/// The atoms as one V3000 record, the chain as its bonds.
-pub(crate) fn v3000(count: usize) -> String {
-    let mut text = String::from("chain\n  bench\n\n  0  0  0     0  0            999 V3000\nM  V30 BEGIN CTAB\n");
-    let _ = writeln!(text, "M  V30 COUNTS {count} {} 0 0 0\nM  V30 BEGIN ATOM", count - 1);
-    for (n, (symbol, p)) in atoms(count).into_iter().enumerate() {
-        let _ = writeln!(text, "M  V30 {} {symbol} {:.4} {:.4} {:.4} 0", n + 1, p.x, p.y, p.z);
-    }
-    text.push_str("M  V30 END ATOM\nM  V30 BEGIN BOND\n");
-    for n in 1..count {
-        let _ = writeln!(text, "M  V30 {n} 1 {n} {}", n + 1);
-    }
-    text.push_str("M  V30 END BOND\nM  V30 END CTAB\nM  END\n$$$$\n");
-    text
-}
-
-/// The atoms as one MOL2 molecule with residues and charges, the chain as its bonds.
-pub(crate) fn mol2(count: usize) -> String {
-    let mut text =
-        format!("@<TRIPOS>MOLECULE\nchain\n{count} {} 0\nPROTEIN\nUSER_CHARGES\n\n@<TRIPOS>ATOM\n", count - 1);
-    for (n, (symbol, p)) in atoms(count).into_iter().enumerate() {
-        let (atom, substructure, residue) = (n + 1, n / RESIDUE + 1, residue(n));
-        let _ = writeln!(
-            text,
-            "{atom:7} {symbol:<4} {:10.4} {:10.4} {:10.4} {symbol}.3 {substructure:6} UNL{residue} -0.1250",
-            p.x, p.y, p.z
-        );
-    }
-    text.push_str("@<TRIPOS>BOND\n");
-    for n in 1..count {
-        let _ = writeln!(text, "{n:7} {n:7} {:7} 1", n + 1);
-    }
-    text
-}
-
-/// The atoms as our own JSON list, the chain as its bonds.
-pub(crate) fn json(count: usize) -> String {
-    let mut text = String::from("{\"atoms\":[");
-    for (n, (symbol, p)) in atoms(count).into_iter().enumerate() {
-        let comma = if n == 0 { "" } else { "," };
-        let _ = write!(text, "{comma}{{\"element\":\"{symbol}\",\"position\":[{:.3},{:.3},{:.3}]}}", p.x, p.y, p.z);
-    }
-    text.push_str("],\"bonds\":[");
-    for n in 1..count {
-        let comma = if n == 1 { "" } else { "," };
-        let _ = write!(text, "{comma}{{\"atoms\":[{},{n}],\"order\":1}}", n - 1);
-    }
-    text.push_str("]}\n");
-    text
+/// Some of the atoms, each bonded to the next.
+fn chain(whole: &Structure, atoms: std::ops::Range<usize>) -> Structure {
+    let sources: Vec<(u32, DVec3)> = atoms.map(|atom| (atom as u32, whole.positions().get(atom))).collect();
+    let bonds = (1..sources.len() as u32).map(|n| Bond::new(n - 1, n, BondOrder::Single, BondSource::File)).collect();
+    whole.gather(&sources, None).with_bonds(bonds)
 }
 
 /// The atoms as a POSCAR of one element, in Cartesian coordinates.

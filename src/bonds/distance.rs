@@ -15,8 +15,8 @@ use crate::structure::{Bond, BondKind, BondOrder, BondSource, Structure, atom_fl
 use glam::Vec3;
 
 /// How much longer than the covalent radii a bond between two residues may be that takes the place of hydrogens which are
-/// not in the model, at a carbon of the dictionary. Sound ones that no record states (thioethers of haem and
-/// cysteine, C–S 1.82 Å) have no excess; side chains that clash in poor models come as near as 1.75 Å.
+/// not in the model, at a carbon of the dictionary. Our choice: a sound one that no record states (the thioethers of haem
+/// and cysteine, C–S 1.82 Å) has 0.01 Å, and the full tolerance would bond side chains that merely clash.
 const CARBON_LINK_EXCESS: f32 = 0.2;
 
 /// The bonds between atoms at these positions that are not among the settled ones (sorted), sorted. `known` says of

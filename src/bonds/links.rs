@@ -15,7 +15,7 @@ use glam::Vec3;
 use std::ops::Range;
 
 /// Longest C–N in ångström: one and a half times the usual 1.341 Å (Engh and Huber, Acta Cryst. A 1991, 47, 392), as
-/// in gemmi; models of low resolution have up to 1.8 Å, residues beside a gap 2.5 Å and more.
+/// in gemmi. The next nearest atoms of two residues in sequence, C and CA, are 2.4 Å apart.
 const LONGEST_PEPTIDE: f32 = 2.01;
 /// Longest O3'–P: one and a half times the usual 1.607 Å (Gelbin et al., J. Am. Chem. Soc. 1996, 118, 519).
 const LONGEST_PHOSPHODIESTER: f32 = 2.41;

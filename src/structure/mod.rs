@@ -306,7 +306,7 @@ impl Structure {
         const DENSEST: f64 = 0.36;
         let is_p1 = |symmetry: &Symmetry| {
             let name: String = symmetry.space_group.split_whitespace().collect();
-            symmetry.operations.len() <= 1 && matches!(name.as_str(), "" | "P1" | "1" | "A1" | "p1")
+            symmetry.operations.len() <= 1 && (name.is_empty() || name.eq_ignore_ascii_case("P1"))
         };
         let cell = self.frames.get(frame)?.cell.as_ref()?;
         let repeats = self.symmetry.as_ref().is_none_or(is_p1);

@@ -30,9 +30,9 @@ use std::collections::HashMap;
 use std::ops::Range;
 use template::Template;
 
-/// A residue with more than this part of its bonds doubtful is another molecule: 1/3. In a molecule that shares the name
-/// and the atom names (C1, C2, …) of a component, but not its bonds, half of them are; in PDB entry 4HHB, whose side
-/// chains without density were never refined, at most 2 of 8.
+/// A residue with more than this part of its bonds doubtful is another molecule: 1/3. Our choice, so that a side chain with
+/// a bad bond or two, as in PDB entry 4HHB, stays what it is called; of a molecule that shares only the name and the atom
+/// names (C1, C2, …) with a component, most bonds are far too long.
 const WRONG: (usize, usize) = (1, 3);
 /// Residues in one piece of work.
 const RESIDUES_PER_TASK: usize = 4096;
