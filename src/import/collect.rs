@@ -44,6 +44,31 @@ impl Records {
         }
     }
 
+    /// Adds what a reader made of a part of the file called `what`, if it could read it; else that is left out with an error at
+    /// its line, or at `first_line` where it names none, and the problem is handed back. A limit ends the reading.
+    pub(super) fn push_or_leave_out(
+        &mut self,
+        read: Result<Structure>,
+        what: &str,
+        first_line: u64,
+        diagnostics: &mut Diagnostics,
+    ) -> Result<Option<Error>> {
+        let problem = match read {
+            Ok(structure) => {
+                self.push(structure);
+                return Ok(None);
+            }
+            Err(limit @ Error::Limit { .. }) => return Err(limit),
+            Err(problem) => problem,
+        };
+        let message = match &problem {
+            Error::Input { message, .. } => message.clone(),
+            other => other.to_string(),
+        };
+        diagnostics.error(problem.line().or(Some(first_line)), format!("{what} is left out: {message}"));
+        Ok(Some(problem))
+    }
+
     /// How many there are.
     pub(super) fn len(&self) -> usize {
         self.list.len()

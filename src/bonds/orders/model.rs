@@ -1,6 +1,6 @@
 //! The weights of the features, from `weights.txt`.
 //!
-//! The numbers are log-likelihood ratios up to a common factor, fitted to the ideal coordinates of the wwPDB
+//! The numbers are those of a structured perceptron, fitted to the ideal coordinates of the wwPDB
 //! Chemical Component Dictionary, which is in the public domain (CC0); how, the header of [`super`] says. They are bound
 //! to the packing of facts in [`super::features`]: a change there needs a new fit.
 

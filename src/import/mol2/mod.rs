@@ -37,19 +37,9 @@ pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnos
         }
         index += 1;
         let first_line = lines.number();
-        match molecule::read(&mut lines, records, diagnostics) {
-            Ok(structure) => records.push(structure),
-            Err(limit @ Error::Limit { .. }) => return Err(limit),
-            Err(problem) => {
-                let message = match &problem {
-                    Error::Input { message, .. } => message.clone(),
-                    other => other.to_string(),
-                };
-                let line = problem.line().or(Some(first_line));
-                diagnostics.error(line, format!("molecule {index} is left out: {message}"));
-                first_problem.get_or_insert(problem);
-            }
-        }
+        let read = molecule::read(&mut lines, records, diagnostics);
+        let problem = records.push_or_leave_out(read, &format!("molecule {index}"), first_line, diagnostics)?;
+        first_problem = first_problem.or(problem);
     }
     lines.check()?;
     match first_problem {

@@ -56,19 +56,9 @@ pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnos
             continue;
         }
         index += 1;
-        match molfile::read(&record, first_line, records, diagnostics) {
-            Ok(structure) => records.push(structure),
-            Err(limit @ Error::Limit { .. }) => return Err(limit),
-            Err(problem) => {
-                let message = match &problem {
-                    Error::Input { message, .. } => message.clone(),
-                    other => other.to_string(),
-                };
-                diagnostics
-                    .error(problem.line().or(Some(first_line)), format!("record {index} is left out: {message}"));
-                first_problem.get_or_insert(problem);
-            }
-        }
+        let read = molfile::read(&record, first_line, records, diagnostics);
+        let problem = records.push_or_leave_out(read, &format!("record {index}"), first_line, diagnostics)?;
+        first_problem = first_problem.or(problem);
         if !ended {
             break;
         }
