@@ -72,6 +72,10 @@ pub(super) fn fixed_f64(text: [u8; 8]) -> Option<(f64, u8)> {
         return None;
     }
     let negative = (digits >> blanks) as u8 == b'-';
+    // Blanks and the sign stand before the point: `at` and the blank put in front are what there is before it.
+    if blanks > at + 8 || negative && blanks == at + 8 {
+        return None;
+    }
     let skip = blanks + if negative { 8 } else { 0 };
     if skip >= 64 {
         return None;
@@ -290,7 +294,7 @@ mod tests {
         }
         for text in [
             "        ", "       .", "      -.", "1.2.3456", "  1 .500", "  1.5   ", "  +1.500", " 1.5E+01", "   - 1.5",
-            "     -  ",
+            "     -  ", " . -0000", "   . 500", ".-123456", "    .-.5",
         ] {
             assert_eq!(fixed_f64(text.as_bytes().try_into().unwrap()), None, "{text}");
         }
