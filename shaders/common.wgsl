@@ -23,6 +23,7 @@ struct FrameConstants {
     bounds_min: vec4<f32>,
     bounds_max: vec4<f32>,
     grid: vec4<f32>,
+    sky: vec4<f32>,
 }
 
 // Twin of render::gpu::layout::SampleConstants.

@@ -48,12 +48,16 @@ fn vs_cylinder(
     return vertex;
 }
 
+fn cylinder_of(vertex: CylinderVertex) -> Cylinder {
+    return Cylinder(
+        vertex.center.xyz, vertex.row_x.xyz, vertex.row_y, vertex.row_z, vertex.center.w, vertex.row_x.w, vertex.look.z,
+    );
+}
+
 @fragment
 fn fs_cylinder(vertex: CylinderVertex) -> Surface {
     let ray = pixel_ray(vertex.position, one_sample.offset);
-    let cylinder = Cylinder(
-        vertex.center.xyz, vertex.row_x.xyz, vertex.row_y, vertex.row_z, vertex.center.w, vertex.row_x.w, vertex.look.z,
-    );
+    let cylinder = cylinder_of(vertex);
     let near = frame.depth.z;
     let t = cylinder_t(ray, cylinder, near);
     if !(t < NO_HIT) {
@@ -61,4 +65,14 @@ fn fs_cylinder(vertex: CylinderVertex) -> Surface {
     }
     let rgb = select(vertex.look.x, vertex.look.y, cylinder_half(ray, cylinder, t));
     return surface(vertex.look.w, t, cylinder_normal(ray, cylinder, near, t), rgb);
+}
+
+// The same for a light's map.
+@fragment
+fn fs_cylinder_height(vertex: CylinderVertex) -> Height {
+    let t = cylinder_t(pixel_ray(vertex.position, one_sample.offset), cylinder_of(vertex), frame.depth.z);
+    if !(t < NO_HIT) {
+        discard;
+    }
+    return height(t);
 }

@@ -2,29 +2,38 @@
 #import "common.wgsl"
 #import "color.wgsl"
 
+// Twin of render::sky::Reach.
+struct Reach {
+    open: f32,
+    key: f32,
+}
+
 struct VisibleSurface {
     depth: f32,
     normal: vec3<f32>,
     albedo: vec3<f32>,
 }
 
-fn shade_surface(point: VisibleSurface, direction: vec3<f32>) -> vec3<f32> {
+fn shade_surface(point: VisibleSurface, reach: Reach, direction: vec3<f32>) -> vec3<f32> {
     let n = point.normal;
     let to_eye = -direction * (1.0 / sqrt(dot(direction, direction)));
     let key = frame.key.xyz;
-    let lambert = frame.key.w * max(dot(n, key), 0.0) + frame.fill.w * max(dot(n, frame.fill.xyz), 0.0);
+    let open = frame.sky.x + (1.0 - frame.sky.x) * reach.open;
+    let lit = 1.0 - frame.sky.y * (1.0 - reach.key);
+    let key_light = frame.key.w * max(dot(n, key), 0.0) * lit;
+    let fill_light = frame.fill.w * max(dot(n, frame.fill.xyz), 0.0) * open;
     let facing_up = 0.5 + 0.5 * dot(n, frame.up.xyz);
-    let ambient = frame.ambient.x + (frame.up.w - frame.ambient.x) * facing_up;
+    let ambient = (frame.ambient.x + (frame.up.w - frame.ambient.x) * facing_up) * open;
     let half_sum = key + to_eye;
     let half_way = half_sum * (1.0 / sqrt(max(dot(half_sum, half_sum), 1e-12)));
     var gloss = select(0.0, max(dot(n, half_way), 0.0), dot(n, key) > 0.0);
     for (var i = 0u; i < u32(frame.ambient.z); i++) {
         gloss *= gloss;
     }
-    let highlight = frame.ambient.y * gloss;
+    let highlight = frame.ambient.y * gloss * lit;
     let aside = 1.0 - clamp(dot(n, to_eye), 0.0, 1.0);
     let rim = 1.0 - frame.key_in_world.w * aside * aside;
-    let color = point.albedo * ((ambient + lambert) * rim) + highlight;
+    let color = point.albedo * ((ambient + (key_light + fill_light)) * rim) + highlight;
     let behind = clamp((point.depth - frame.depth.x) * frame.depth.y, 0.0, 1.0);
     let fog = frame.background.w * behind * behind;
     return color + (frame.background.xyz - color) * fog;

@@ -1,7 +1,7 @@
 // Adds the light of one sample to the sum: premultiplied linear colour, and in alpha how many samples saw a primitive.
 // Sums are floats in the bits of an integer target: float targets cannot be drawn to everywhere.
 #import "fullscreen.wgsl"
-#import "shade.wgsl"
+#import "sky.wgsl"
 #import "color.wgsl"
 #import "unpack.wgsl"
 
@@ -21,7 +21,7 @@ fn fs_shade(@builtin(position) fragment: vec4<f32>) -> @location(0) vec4<u32> {
         let t = bitcast<f32>(texel.y);
         if t <= ground_depth(ray) {
             let seen = VisibleSurface(t, unpack_normal(texel.z), linear_from_srgb8(texel.w));
-            sum += vec4<f32>(shade_surface(seen, ray.direction), 1.0);
+            sum += vec4<f32>(shade_surface(seen, reach_of(ray, t, seen.normal), ray.direction), 1.0);
         }
     }
     return bitcast<vec4<u32>>(sum);

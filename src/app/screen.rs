@@ -51,7 +51,7 @@ struct CpuScreen {
 }
 
 /// Samples and ground texels of a picture in motion.
-const IN_MOTION: Settings = Settings { samples: 1, ground_texels: 96 };
+const IN_MOTION: Settings = Settings { samples: 1, ground_texels: 96, ao: 0, shadow: false };
 /// A frame in motion that takes longer than this is made coarser next time, one under a quarter of it finer (seconds).
 const SLOW_FRAME: f64 = 0.060;
 

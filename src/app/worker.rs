@@ -131,7 +131,7 @@ mod tests {
     fn job(version: u64, may_stop: bool, samples: u32) -> Job {
         let scene = Arc::new(Scene::from_blocks(Vec::new(), Vec::new()));
         let view = View::new(scene.fitted_camera(1.0), 64, 64);
-        Job { scene, view, settings: Settings { samples, ground_texels: 16 }, may_stop, version }
+        Job { scene, view, settings: Settings { samples, ground_texels: 16, ao: 0, shadow: false }, may_stop, version }
     }
 
     #[test]

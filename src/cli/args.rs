@@ -106,6 +106,9 @@ pub struct RenderArgs {
     /// Samples a pixel, 1 to 4096, in place of what the quality says
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Picture")]
     pub samples: Option<u32>,
+    /// Directions of the sky that ambient occlusion is found from, 0 (none) to 256, in place of what the quality says
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=256), help_heading = "Picture")]
+    pub ao: Option<u32>,
     /// What the picture shows; all but color are numbers, see below
     #[arg(long, value_name = "WHAT", default_value = "color", help_heading = "Picture")]
     pub channel: Channel,

@@ -70,6 +70,7 @@ impl Draw for Drawer {
 fn settings(args: &RenderArgs) -> Settings {
     let mut settings = Quality::from_name(&args.quality.name()).unwrap_or_default().settings();
     settings.samples = args.samples.unwrap_or(settings.samples);
+    settings.ao = args.ao.unwrap_or(settings.ao);
     settings
 }
 

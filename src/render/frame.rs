@@ -3,6 +3,7 @@
 //! Shading here is the definition; `shaders/shade.wgsl` holds its twin, function for function.
 
 use super::settings::{Settings, View};
+use super::sky::Reach;
 use crate::color::{Srgb8, srgb_from_linear};
 use crate::scene::{Background, Scene};
 use glam::{Affine3A, Vec3, Vec4};
@@ -43,6 +44,9 @@ pub struct FrameConstants {
     pub bounds_max: [f32; 4],
     /// x: plane units per pixel, y, z: centre of the full picture in pixels, w: 1 for orthographic projection.
     pub grid: [f32; 4],
+    /// x: how much of the ambient light is left where no sky is seen, y: how much of the key light is taken away in its
+    /// shadow, z: the part of the sky that is taken to be seen where it is not asked, w: 0.
+    pub sky: [f32; 4],
 }
 
 /// Texel grid of the ground map.
@@ -104,7 +108,14 @@ impl FrameConstants {
             bounds_min: row(if bounds.is_empty() { Vec3::ZERO } else { bounds.min }, 0.0),
             bounds_max: row(if bounds.is_empty() { Vec3::ZERO } else { bounds.max }, 0.0),
             grid,
+            sky: [light.ao_floor, light.shadow, light.open_unasked, 0.0],
         }
+    }
+
+    /// What a surface point receives where nobody asks.
+    #[must_use]
+    pub fn unasked(&self) -> Reach {
+        Reach { open: self.sky[2], key: 1.0 }
     }
 
     /// From view to world space.
@@ -112,6 +123,12 @@ impl FrameConstants {
     pub fn world_from_view(&self) -> Affine3A {
         let column = |i: usize| Vec4::from(self.world_from_view[i]).truncate();
         Affine3A::from_cols(column(0).into(), column(1).into(), column(2).into(), column(3).into())
+    }
+
+    /// Unit direction to the key light in world space.
+    #[must_use]
+    pub fn key_in_world(&self) -> Vec3 {
+        Vec4::from(self.key_in_world).truncate()
     }
 
     /// The texel grid of the ground map.
@@ -187,16 +204,20 @@ pub struct Surface {
     pub albedo: Vec3,
 }
 
-/// Light from a point of the molecule; `direction` is the ray's, view space.
+/// Light from a point of the molecule, given what reaches it from afar; `direction` is the ray's, view space.
 #[must_use]
-pub fn shade_surface(frame: &FrameConstants, surface: &Surface, direction: Vec3) -> Vec3 {
+pub fn shade_surface(frame: &FrameConstants, surface: &Surface, reach: Reach, direction: Vec3) -> Vec3 {
     let row = |row: [f32; 4]| Vec4::from(row).truncate();
     let n = surface.normal;
     let to_eye = -direction * (1.0 / direction.dot(direction).sqrt());
     let key = row(frame.key);
-    let lambert = frame.key[3] * n.dot(key).max(0.0) + frame.fill[3] * n.dot(row(frame.fill)).max(0.0);
+    // The fill stands for light from all around, so what hides the sky hides it.
+    let open = frame.sky[0] + (1.0 - frame.sky[0]) * reach.open;
+    let lit = 1.0 - frame.sky[1] * (1.0 - reach.key);
+    let key_light = frame.key[3] * n.dot(key).max(0.0) * lit;
+    let fill_light = frame.fill[3] * n.dot(row(frame.fill)).max(0.0) * open;
     let facing_up = 0.5 + 0.5 * n.dot(row(frame.up));
-    let ambient = frame.ambient[0] + (frame.up[3] - frame.ambient[0]) * facing_up;
+    let ambient = (frame.ambient[0] + (frame.up[3] - frame.ambient[0]) * facing_up) * open;
     let half = key + to_eye;
     let half = half * (1.0 / half.dot(half).max(1e-12).sqrt());
     // A surface turned from the light has no highlight. The power is made of squares: exact on every device, and fast.
@@ -204,11 +225,11 @@ pub fn shade_surface(frame: &FrameConstants, surface: &Surface, direction: Vec3)
     for _ in 0..frame.ambient[2] as u32 {
         gloss *= gloss;
     }
-    let highlight = frame.ambient[1] * gloss;
+    let highlight = frame.ambient[1] * gloss * lit;
     // Towards its silhouette a surface darkens, so that white atoms stay round on a white page.
     let aside = 1.0 - n.dot(to_eye).clamp(0.0, 1.0);
     let rim = 1.0 - frame.key_in_world[3] * aside * aside;
-    let color = surface.albedo * ((ambient + lambert) * rim) + highlight;
+    let color = surface.albedo * ((ambient + (key_light + fill_light)) * rim) + highlight;
     let behind = ((surface.depth - frame.depth[0]) * frame.depth[1]).clamp(0.0, 1.0);
     let fog = frame.background[3] * behind * behind;
     color + (row(frame.background) - color) * fog

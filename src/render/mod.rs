@@ -13,6 +13,7 @@ pub mod hierarchy;
 pub mod image;
 pub mod select;
 pub mod settings;
+pub mod sky;
 pub mod solids;
 #[cfg(test)]
 mod test_shapes;

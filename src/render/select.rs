@@ -180,7 +180,7 @@ mod tests {
         let scene = Arc::new(Scene::from_blocks(Vec::new(), Vec::new()));
         renderer.load(Arc::clone(&scene)).unwrap();
         let view = View::new(scene.fitted_camera(1.0), 4, 4);
-        let settings = Settings { samples: 1, ground_texels: 16 };
+        let settings = Settings { samples: 1, ground_texels: 16, ao: 0, shadow: false };
         assert!(renderer.image(&view, &settings).unwrap().rgba.is_empty());
         assert_eq!((renderer.name().as_str(), renderer.take_notices().len()), ("failing", 0));
         assert_eq!(renderer.image(&view, &settings).unwrap().rgba.len(), 64, "drawn by the CPU");

@@ -47,6 +47,16 @@ pub struct Settings {
     pub samples: u32,
     /// Texels along the longer side of the ground's shadow map, 16 to 2046. Default: 256.
     pub ground_texels: u32,
+    /// Directions of the sky that ambient occlusion is found from, 0 to [`Settings::MOST_DIRECTIONS`]; 0 for none.
+    /// Default: 64.
+    pub ao: u32,
+    /// Whether the molecule throws a shadow on itself. Default: yes.
+    pub shadow: bool,
+}
+
+impl Settings {
+    /// More directions than this change nothing that can be seen, and every device has as many layers in a texture.
+    pub const MOST_DIRECTIONS: u32 = 256;
 }
 
 impl Default for Settings {
@@ -58,12 +68,12 @@ impl Default for Settings {
 /// Settings by one name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Quality {
-    /// 4 samples a pixel, coarse ground.
+    /// 4 samples a pixel, no ambient occlusion, no shadow but the ground's, which is coarse.
     Draft,
-    /// 16 samples a pixel.
+    /// 16 samples a pixel, ambient occlusion from 64 directions, shadows.
     #[default]
     Standard,
-    /// 64 samples a pixel, fine ground.
+    /// 64 samples a pixel, ambient occlusion from 256 directions, shadows, fine ground.
     High,
 }
 
@@ -91,9 +101,9 @@ impl Quality {
     #[must_use]
     pub fn settings(self) -> Settings {
         match self {
-            Quality::Draft => Settings { samples: 4, ground_texels: 128 },
-            Quality::Standard => Settings { samples: 16, ground_texels: 256 },
-            Quality::High => Settings { samples: 64, ground_texels: 512 },
+            Quality::Draft => Settings { samples: 4, ground_texels: 128, ao: 0, shadow: false },
+            Quality::Standard => Settings { samples: 16, ground_texels: 256, ao: 64, shadow: true },
+            Quality::High => Settings { samples: 64, ground_texels: 512, ao: 256, shadow: true },
         }
     }
 }

@@ -27,6 +27,13 @@ pub struct Lighting {
     pub gloss_log2: u8,
     /// How much darker a surface is at its silhouette. Default: 0.45.
     pub rim: f32,
+    /// How much of the ambient light is left where no sky is seen, 0–1. Default: 0.25: crevices stay readable.
+    pub ao_floor: f32,
+    /// How much of the key light its shadow takes away, 0–1. Default: 0.85.
+    pub shadow: f32,
+    /// The part of the sky that is taken to be seen where ambient occlusion is not asked for: about what atoms of a
+    /// molecule see in the mean, so that a draft is as bright as the finished picture. Default: 0.75.
+    pub open_unasked: f32,
     /// How much of the background's colour the farthest point takes on (depth cueing), half-way a quarter of it. Default: 0.5.
     pub fog: f32,
 }
@@ -43,6 +50,9 @@ impl Default for Lighting {
             specular: 0.22,
             gloss_log2: 6,
             rim: 0.45,
+            ao_floor: 0.25,
+            shadow: 0.85,
+            open_unasked: 0.75,
             fog: 0.5,
         }
     }

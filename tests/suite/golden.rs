@@ -9,7 +9,7 @@ use ballstick::render::{Image, Renderer, Settings};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-const SETTINGS: Settings = Settings { samples: 16, ground_texels: 96 };
+const SETTINGS: Settings = Settings { samples: 16, ground_texels: 96, ao: 0, shadow: false };
 /// The reference must give the golden bytes; libm's `powf` may round the last bit of a channel otherwise elsewhere.
 const TOLERANCE: u8 = 1;
 
@@ -94,6 +94,33 @@ fn tiles_on_all_cores_give_the_reference_bit_for_bit() {
         assert_eq!(compare(&tiles, &reference::image(&scene, &case.view, &SETTINGS)), Ok(0), "{}", case.name);
         let (got, want) = (renderer.gbuffer(&case.view).unwrap(), reference::gbuffer(&scene, &case.view));
         assert_eq!(got, want, "{}", case.name);
+    }
+}
+
+/// Light from afar is found by rays in the reference and through maps in the tiles: edges of shadows differ.
+#[test]
+fn tiles_finish_the_picture_as_the_reference_does() {
+    let finished = Settings { ao: 64, shadow: true, ..SETTINGS };
+    for name in ["molecule", "molecule_on_ground", "molecule_licorice", "molecule_space_filling", "placements"] {
+        let case = scenes::all().into_iter().find(|case| case.name == name).unwrap();
+        let scene = Arc::new(case.scene);
+        let mut renderer = CpuRenderer::new();
+        renderer.load(Arc::clone(&scene)).unwrap();
+        let got = renderer.image(&case.view, &finished).unwrap();
+        let want = reference::image(&scene, &case.view, &finished);
+        let plain = reference::image(&scene, &case.view, &SETTINGS);
+        let covered = renderer.gbuffer(&case.view).unwrap();
+        let apart = |a: &Image, b: &Image| {
+            let pixels = a.rgba.chunks(4).zip(b.rgba.chunks(4)).zip(&covered.id).filter(|(_, id)| **id != 0);
+            let each: Vec<u8> =
+                pixels.map(|((a, b), _)| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap()).collect();
+            let mean = each.iter().map(|&d| f64::from(d)).sum::<f64>() / each.len() as f64;
+            (mean, each.iter().filter(|&&d| d <= 4).count() as f64 / each.len() as f64)
+        };
+        let (mean, share) = apart(&got, &want);
+        println!("{name}: {mean:.3}/255 apart in the mean, {:.2} % within 4/255", 100.0 * share);
+        assert!(mean <= 1.0 && share >= 0.985, "{name}: {mean} {share}");
+        assert!(apart(&plain, &want).0 > 1.0, "{name}: without light from afar it is another picture");
     }
 }
 

@@ -12,7 +12,12 @@ use ballstick::scene::{Background, Block, Item, Placement, Region, Scene, SceneO
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
 
-const SETTINGS: Settings = Settings { samples: 4, ground_texels: 96 };
+const SETTINGS: Settings = Settings { samples: 4, ground_texels: 96, ao: 0, shadow: false };
+
+/// With all light from afar.
+const FINISHED: Settings = Settings { samples: 16, ground_texels: 96, ao: 64, shadow: true };
+/// The same with a quarter of the work, for scenes by the dozen.
+const QUICK: Settings = Settings { samples: 4, ground_texels: 96, ao: 16, shadow: true };
 
 fn skip_or_fail(reason: &str) {
     println!("SKIP: {reason}");
@@ -136,8 +141,44 @@ fn judge_colors(want: &Image, got: &Image, seen: [&GBuffer; 2]) -> Result<Share,
     Ok(share)
 }
 
+/// Two finished pictures, over the pixels that either covers: how far apart in the mean of all channels, and the share of
+/// pixels in which every channel is within 4/255. The light from afar is found through maps, so edges of shadows differ.
+fn compare_finished(want: &Image, got: &Image, seen: [&GBuffer; 2]) -> Result<(f64, f64), String> {
+    compare_colors(want, got, seen)?;
+    let (mut sum, mut share) = (0u64, Share::default());
+    for (i, (a, b)) in want.rgba.chunks(4).zip(got.rgba.chunks(4)).enumerate() {
+        if seen.iter().any(|seen| seen.id[i] != GBuffer::BACKGROUND) {
+            let apart = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b));
+            sum += apart.clone().map(u64::from).sum::<u64>();
+            share.count(apart.max().unwrap_or(0) <= 4);
+        }
+    }
+    Ok((sum as f64 / (4 * share.of) as f64, share.part()))
+}
+
+fn judge_finished(want: &Image, got: &Image, seen: [&GBuffer; 2]) -> Result<(f64, f64), String> {
+    let (mean, part) = compare_finished(want, got, seen)?;
+    if mean > 1.0 || part < 0.995 {
+        return Err(format!(
+            "finished pictures are {mean:.3}/255 apart in the mean, {:.2} % within 4/255",
+            100.0 * part
+        ));
+    }
+    Ok((mean, part))
+}
+
 /// Both renderers on one scene; the message says what differs.
 fn judge(gpu: &mut GpuRenderer, name: &str, scene: &Arc<Scene>, view: &View) -> Result<(), String> {
+    judge_with(gpu, name, scene, view, &QUICK)
+}
+
+fn judge_with(
+    gpu: &mut GpuRenderer,
+    name: &str,
+    scene: &Arc<Scene>,
+    view: &View,
+    finished: &Settings,
+) -> Result<(), String> {
     let failed = |error: ballstick::Error| error.to_string();
     let mut cpu = CpuRenderer::new();
     cpu.load(Arc::clone(scene)).map_err(failed)?;
@@ -146,6 +187,9 @@ fn judge(gpu: &mut GpuRenderer, name: &str, scene: &Arc<Scene>, view: &View) -> 
     let surfaces = judge_surfaces(&want, &got)?;
     let images = (cpu.image(view, &SETTINGS).map_err(failed)?, gpu.image(view, &SETTINGS).map_err(failed)?);
     let colors = judge_colors(&images.0, &images.1, [&want, &got])?;
+    let images = (cpu.image(view, finished).map_err(failed)?, gpu.image(view, finished).map_err(failed)?);
+    let (mean, part) = judge_finished(&images.0, &images.1, [&want, &got])?;
+    println!("{name}: finished {mean:.3}/255 apart in the mean, {:.3} % within 4/255", 100.0 * part);
     println!(
         "{name}: {} covered, {} compared; wrong: {} ids, {} depths, {} normals, {} of {} colours",
         surfaces.covered,
@@ -221,6 +265,16 @@ fn gpu_and_cpu_draw_the_same_molecules() {
         }
     }
     assert!(wrong.is_empty(), "{}:\n{}", gpu.name(), wrong.join("\n"));
+}
+
+/// At full quality: the scene of a molecule on its ground, seen whole.
+#[test]
+fn gpu_and_cpu_finish_the_same_picture() {
+    let Some(mut gpu) = gpu() else { return };
+    for name in ["molecule_on_ground", "molecule_licorice", "placements"] {
+        let case = case(name);
+        judge_with(&mut gpu, name, &Arc::new(case.scene.clone()), &case.view, &FINISHED).unwrap();
+    }
 }
 
 #[test]
@@ -337,6 +391,9 @@ fn the_comparer_refuses_other_sizes_and_emptiness() {
     cut.height -= 1;
     cut.id.truncate((cut.width * cut.height) as usize);
     assert!(judge_surfaces(&seen, &cut).is_err());
+    assert!(judge_finished(&image, &image, [&seen, &seen]).is_ok());
+    let darker = Image { rgba: image.rgba.iter().map(|c| c.saturating_sub(3)).collect(), ..image.clone() };
+    assert!(judge_finished(&image, &darker, [&seen, &seen]).unwrap_err().contains("mean"));
     let mut short = image.clone();
     short.rgba.truncate(40);
     assert!(judge_colors(&image, &short, [&seen, &seen]).is_err());

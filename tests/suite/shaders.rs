@@ -72,7 +72,7 @@ fn uniforms_have_the_same_bytes_in_rust_and_wgsl() {
         world_from_view "world_from_view", key "key", fill "fill", up "up", ambient "ambient",
         background "background", depth "depth", ground_color "ground_color", ground "ground",
         ground_center "ground_center", ground_map "ground_map", ground_map_size "ground_map_size",
-        key_in_world "key_in_world", bounds_min "bounds_min", bounds_max "bounds_max", grid "grid",
+        key_in_world "key_in_world", bounds_min "bounds_min", bounds_max "bounds_max", grid "grid", sky "sky",
     ]);
     assert_same_layout!("common.wgsl", SampleConstants, "SampleConstants", [
         origin "origin", size "size", offset "offset", done "done", reserved "reserved",
@@ -133,7 +133,7 @@ fn draws_under(limits: &wgpu::Limits) {
     let cases = crate::scenes::all();
     let case = cases.iter().find(|case| case.name == "molecule_on_ground").unwrap();
     renderer.load(Arc::new(case.scene.clone())).unwrap();
-    let settings = Settings { samples: 3, ground_texels: 2048 };
+    let settings = Settings { samples: 3, ground_texels: 2048, ao: 5, shadow: true };
     let image = renderer.image(&case.view, &settings).unwrap();
     assert_eq!((image.width, image.height), (case.view.width, case.view.height));
     // Beyond one texture: tiles.

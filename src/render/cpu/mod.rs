@@ -6,6 +6,8 @@
 
 mod binning;
 pub mod intersect;
+mod maps;
+mod reach;
 pub mod reference;
 mod shader;
 mod simd;
@@ -16,6 +18,7 @@ use super::frame::FrameConstants;
 use super::{GBuffer, Image, Renderer, Settings, View};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
+use reach::Lights;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -27,6 +30,8 @@ pub struct CpuRenderer {
     field: Option<Field>,
     /// The last ground map and the constants it was made with.
     ground_map: Option<(FrameConstants, GroundMap)>,
+    /// Maps of the sky and of the key light of the loaded scene.
+    lights: Lights,
 }
 
 impl CpuRenderer {
@@ -55,7 +60,14 @@ impl CpuRenderer {
         let scene = self.scene.clone().unwrap_or_else(|| Arc::new(Scene::from_blocks(Vec::new(), Vec::new())));
         let frame = FrameConstants::new(&scene, view, settings);
         let ground_map = self.ground_map(&scene, &frame);
-        let image = tiles::image(&scene, view, settings, &ground_map, stop);
+        // Drawing in motion does not ask, and must not throw away what the picture at rest needs again.
+        let asks = settings.ao > 0 || settings.shadow;
+        let none = Lights::none();
+        if asks {
+            self.lights.update(&scene, &frame, settings);
+        }
+        let lights = if asks { &self.lights } else { &none };
+        let image = tiles::image(&scene, view, settings, (&ground_map, lights), stop);
         (!stop.load(Ordering::Relaxed)).then_some(image)
     }
 }
@@ -72,6 +84,7 @@ impl Renderer for CpuRenderer {
             .is_some_and(|old| Arc::ptr_eq(&old.blocks, &scene.blocks) && old.placements == scene.placements);
         if !same {
             self.field = None;
+            self.lights = Lights::none();
             self.ground_map = None;
         }
         self.scene = Some(scene);

@@ -8,9 +8,10 @@ use crate::render::frame::{FrameConstants, resolve};
 use crate::render::hierarchy::Hierarchy;
 use crate::render::image::{GBuffer, Image};
 use crate::render::settings::{Settings, View, sample_offset};
+use crate::render::sky::{self, Reach, START_OFFSET};
 use crate::render::solids::Solids;
 use crate::scene::{PixelGrid, Ray, Scene};
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 /// The scene as the reference sees it.
 struct Reference {
@@ -51,6 +52,58 @@ impl Reference {
         );
         best.0.is_finite().then_some((best.1, best.0))
     }
+
+    /// Whether nothing stands between a point and the sky in this direction.
+    fn is_free(&self, ray: &Ray) -> bool {
+        let inverse = ray.direction.recip();
+        let mut free = true;
+        self.hierarchy.visit(
+            &mut free,
+            |free, b: &Aabb| {
+                let slack = 1e-5 * (b.min.abs().max(b.max.abs())).max_element();
+                let (enter, leave) = b.grown(slack).slab(ray.origin, inverse)?;
+                (*free && leave >= 0.0).then_some(enter)
+            },
+            |free, index| {
+                let i = index as usize;
+                let t = match i.checked_sub(self.solids.spheres.len()) {
+                    None => sphere_t(ray, &self.solids.spheres[i], 0.0),
+                    Some(cylinder) => cylinder_t(ray, &self.solids.cylinders[cylinder], 0.0),
+                };
+                *free &= t.is_infinite();
+            },
+        );
+        free
+    }
+}
+
+/// What reaches surface points: rays in all directions.
+struct Reaches {
+    /// In view space.
+    sky: Vec<Vec3>,
+    key: Vec<Vec3>,
+    unasked: Reach,
+    near: f32,
+}
+
+impl Reaches {
+    fn new(frame: &FrameConstants, view: &View, settings: &Settings) -> Reaches {
+        let view_from_world = view.camera.view_from_world();
+        let turned = |all: Vec<Vec3>| all.into_iter().map(|d| view_from_world.transform_vector3(d)).collect();
+        let key = if settings.shadow { sky::key_directions(frame.key_in_world()) } else { Vec::new() };
+        let count = settings.ao.min(Settings::MOST_DIRECTIONS);
+        let (sky, key) = (turned(sky::directions(count)), turned(key));
+        Reaches { sky, key, unasked: frame.unasked(), near: view.camera.near }
+    }
+
+    fn of(&self, reference: &Reference, ray: &Ray, t: f32, normal: Vec3) -> Reach {
+        if t <= self.near {
+            return self.unasked;
+        }
+        let origin = ray.origin + ray.direction * t + normal * START_OFFSET;
+        let free = |direction| reference.is_free(&Ray { origin, direction });
+        sky::reach(normal, &self.sky, &self.key, self.unasked, free)
+    }
 }
 
 /// Calls `pixel` for every pixel of the wanted region with its place in the full picture.
@@ -74,18 +127,30 @@ pub fn image(scene: &Scene, view: &View, settings: &Settings) -> Image {
     let region = view.region();
     let mut rgba = Vec::with_capacity(region.width as usize * region.height as usize * 4);
     let samples = settings.samples.clamp(1, 4096);
+    let reaches = Reaches::new(&frame, view, settings);
+    // What reaches a primitive is asked once a pixel, at the first sample that sees it.
+    let mut known: Vec<(u32, Reach)> = Vec::new();
     for_each_pixel(view, |x, y| {
         let backdrop = shader.backdrop(&grid.ray(grid.plane(x + 0.5, y + 0.5)));
         let mut sum = Vec4::ZERO;
         let mut unseen = 0u32;
+        known.clear();
         for sample in 0..samples {
             let [dx, dy] = sample_offset(sample, samples);
             let ray = grid.ray(grid.plane(x + dx, y + dy));
-            let hit = reference.nearest(&ray).and_then(|(index, t)| shader.primitive(&ray, index, t));
-            match hit {
-                Some(color) => sum += color,
-                None => unseen += 1,
-            }
+            let Some((index, t)) = reference.nearest(&ray).filter(|&(_, t)| shader.is_seen(&ray, t)) else {
+                unseen += 1;
+                continue;
+            };
+            let reach = match known.iter().find(|(primitive, _)| *primitive == index) {
+                Some(&(_, reach)) => reach,
+                None => {
+                    let reach = reaches.of(&reference, &ray, t, shader.surface(&ray, index, t).normal);
+                    known.push((index, reach));
+                    reach
+                }
+            };
+            sum += shader.primitive(&ray, index, t, reach);
         }
         let pixel = resolve(sum + backdrop * unseen as f32, samples);
         rgba.extend_from_slice(bytemuck::bytes_of(&pixel));

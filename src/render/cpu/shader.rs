@@ -4,6 +4,7 @@ use super::intersect::{cylinder_half, cylinder_normal, sphere_normal};
 use crate::render::field::GroundMap;
 use crate::render::frame::{FrameConstants, Surface, ground_t, shade_background, shade_ground, shade_surface};
 use crate::render::image::GBuffer;
+use crate::render::sky::Reach;
 use crate::render::solids::Solids;
 use crate::scene::Ray;
 use glam::{Affine3A, Vec3, Vec4};
@@ -46,13 +47,25 @@ impl<'a> Shader<'a> {
         Surface { depth: t, normal, albedo: color.to_linear().into() }
     }
 
-    /// Linear colour of a primitive's hit; `None` if the ground is nearer.
-    pub(super) fn primitive(&self, ray: &Ray, index: u32, t: f32) -> Option<Vec4> {
-        if t > self.ground_depth(ray) {
+    /// Whether a primitive's hit is seen: not if the ground is nearer.
+    pub(super) fn is_seen(&self, ray: &Ray, t: f32) -> bool {
+        t <= self.ground_depth(ray)
+    }
+
+    /// Linear colour of a primitive's hit that is seen.
+    pub(super) fn primitive(&self, ray: &Ray, index: u32, t: f32, reach: Reach) -> Vec4 {
+        let surface = self.surface(ray, index, t);
+        Vec4::from((shade_surface(self.frame, &surface, reach, ray.direction), 1.0))
+    }
+
+    /// Place and unit normal of a hit in world space; `None` where the near plane cuts a solid: what is shown there is no
+    /// surface that light could reach.
+    pub(super) fn point_in_world(&self, ray: &Ray, index: u32, t: f32) -> Option<(Vec3, Vec3)> {
+        if t <= self.frame.depth[2] {
             return None;
         }
-        let surface = self.surface(ray, index, t);
-        Some(Vec4::from((shade_surface(self.frame, &surface, ray.direction), 1.0)))
+        let normal = self.world_from_view.transform_vector3(self.surface(ray, index, t).normal);
+        Some((self.world_from_view.transform_point3(ray.origin + ray.direction * t), normal))
     }
 
     /// Premultiplied linear colour and alpha behind the primitives, ground or background. It is smooth, so it is found

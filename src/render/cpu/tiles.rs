@@ -6,6 +6,7 @@
 
 use super::binning::{Bins, Candidate, TILE};
 use super::intersect::{cylinder_t, sphere_t};
+use super::reach::{Lights, Reaches};
 use super::shader::Shader;
 use super::simd::{Work, widest};
 use crate::color::Srgb8;
@@ -236,23 +237,43 @@ impl Picture<'_> {
         self.grid.ray(self.grid.plane(px, py))
     }
 
+    /// Notes what a sample shows that was not seen in its pixel before.
+    fn note(&self, reaches: &mut Reaches, depth: &TileDepth, tile: usize) {
+        let unasked = self.shader.frame.unasked();
+        self.for_each_pixel(tile, |column, row| {
+            let t = depth.t[row][column];
+            let ray = self.grid.ray((depth.u[column], depth.v[row]));
+            if t < f32::INFINITY && self.shader.is_seen(&ray, t) {
+                let (pixel, index) = (row * TILE as usize + column, depth.index[row][column]);
+                reaches.note(pixel, index, unasked, || self.shader.point_in_world(&ray, index, t));
+            }
+        });
+    }
+
     /// The finished pixels of a tile.
-    fn color_tile(&self, tile: usize, samples: u32) -> [Srgb8; PIXELS] {
+    fn color_tile(&self, tile: usize, samples: u32, lights: &Lights) -> [Srgb8; PIXELS] {
         let mut depth = TileDepth::new();
         let mut sums = [Vec4::ZERO; PIXELS];
         let mut unseen = [samples; PIXELS];
+        let unasked = self.shader.frame.unasked();
         if self.bins.of_tile(tile).next().is_some() {
+            let mut reaches = Reaches::new(if lights.is_empty() { 0 } else { PIXELS });
             for sample in 0..samples {
                 self.see(&mut depth, tile, sample_offset(sample, samples));
+                if !lights.is_empty() {
+                    self.note(&mut reaches, &depth, tile);
+                    reaches.ask(lights);
+                }
                 self.for_each_pixel(tile, |column, row| {
                     let t = depth.t[row][column];
                     if t == f32::INFINITY {
                         return;
                     }
                     let ray = self.grid.ray((depth.u[column], depth.v[row]));
-                    if let Some(color) = self.shader.primitive(&ray, depth.index[row][column], t) {
-                        let pixel = row * TILE as usize + column;
-                        sums[pixel] += color;
+                    if self.shader.is_seen(&ray, t) {
+                        let (pixel, index) = (row * TILE as usize + column, depth.index[row][column]);
+                        let reach = if lights.is_empty() { unasked } else { reaches.of(pixel, index, unasked) };
+                        sums[pixel] += self.shader.primitive(&ray, index, t, reach);
                         unseen[pixel] -= 1;
                     }
                 });
@@ -297,7 +318,13 @@ fn with_picture<R>(
 
 /// The finished picture; unfinished, and of no use, if `stop` became true meanwhile.
 #[must_use]
-pub fn image(scene: &Scene, view: &View, settings: &Settings, ground_map: &GroundMap, stop: &AtomicBool) -> Image {
+pub(super) fn image(
+    scene: &Scene,
+    view: &View,
+    settings: &Settings,
+    (ground_map, lights): (&GroundMap, &Lights),
+    stop: &AtomicBool,
+) -> Image {
     let frame = FrameConstants::new(scene, view, settings);
     let region = view.region();
     let samples = settings.samples.clamp(1, 4096);
@@ -312,7 +339,7 @@ pub fn image(scene: &Scene, view: &View, settings: &Settings, ground_map: &Groun
                 .with_max_len(1)
                 .map(|column| match stop.load(Ordering::Relaxed) {
                     true => [Srgb8::BLACK; PIXELS],
-                    false => picture.color_tile(tile_row * across + column, samples),
+                    false => picture.color_tile(tile_row * across + column, samples, lights),
                 })
                 .collect();
             for (column, pixels) in tiles.iter().enumerate() {

@@ -22,14 +22,24 @@ pub(super) struct Draw<'a> {
     /// The [`SampleConstants`] of group 0.
     pub(super) sample_buffer: &'a wgpu::Buffer,
     pub(super) instances: Option<&'a Instances>,
+    /// Group 2 of the shade pass.
+    pub(super) sky_group: &'a wgpu::BindGroup,
 }
 
-fn cleared(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
+pub(super) fn cleared(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
     wgpu::RenderPassColorAttachment {
         view,
         depth_slice: None,
         resolve_target: None,
         ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+    }
+}
+
+pub(super) fn cleared_depth(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+        stencil_ops: None,
     }
 }
 
@@ -45,17 +55,13 @@ impl Draw<'_> {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("geometry"),
             color_attachments: &[Some(cleared(&targets.surface_view))],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &targets.depth,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
-                stencil_ops: None,
-            }),
+            depth_stencil_attachment: Some(cleared_depth(&targets.depth)),
             ..wgpu::RenderPassDescriptor::default()
         });
         set_part(&mut pass, region);
         pass.set_bind_group(0, self.frame_group, &[]);
         if let Some(instances) = self.instances {
-            instances.draw(self.pipelines, &mut pass);
+            instances.draw(&self.pipelines.surfaces, &mut pass);
         }
     }
 
@@ -64,7 +70,7 @@ impl Draw<'_> {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         pipeline: &wgpu::RenderPipeline,
-        group: &wgpu::BindGroup,
+        groups: &[&wgpu::BindGroup],
         target: &wgpu::TextureView,
         region: Region,
     ) {
@@ -76,7 +82,9 @@ impl Draw<'_> {
         set_part(&mut pass, region);
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, self.frame_group, &[]);
-        pass.set_bind_group(1, group, &[]);
+        for (index, group) in (1..).zip(groups) {
+            pass.set_bind_group(index, *group, &[]);
+        }
         pass.draw(0..3, 0..1);
     }
 
@@ -88,8 +96,8 @@ impl Draw<'_> {
             let from = (done % 2) as usize;
             under_way.push_back(self.gpu.submit("sample", |encoder| {
                 self.geometry(encoder, targets, region);
-                let (group, target) = (&targets.shade_groups[from], &targets.sums[1 - from]);
-                self.fullscreen(encoder, &self.pipelines.shade, group, target, region);
+                let (groups, target) = ([&targets.shade_groups[from], self.sky_group], &targets.sums[1 - from]);
+                self.fullscreen(encoder, &self.pipelines.shade, &groups, target, region);
             }));
             if under_way.len() > IN_FLIGHT
                 && let Some(oldest) = under_way.pop_front()
@@ -124,7 +132,7 @@ impl Draw<'_> {
                 wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(ground_light) },
             ],
         });
-        self.gpu.submit("resolve", |encoder| self.fullscreen(encoder, pipeline, &group, target, region))
+        self.gpu.submit("resolve", |encoder| self.fullscreen(encoder, pipeline, &[&group], target, region))
     }
 
     /// Hands the rows of a texture's upper left part to `row`.

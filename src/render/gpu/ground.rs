@@ -127,7 +127,7 @@ fn upload(gpu: &Gpu, map: &crate::render::field::GroundMap) -> wgpu::TextureView
 }
 
 /// Writes all rows of a texture, some megabytes at a time.
-fn write_rows(gpu: &Gpu, texture: &wgpu::Texture, [width, height]: [u32; 2], bytes: &[u8]) {
+pub(super) fn write_rows(gpu: &Gpu, texture: &wgpu::Texture, [width, height]: [u32; 2], bytes: &[u8]) {
     let row = bytes.len() / height.max(1) as usize;
     if row == 0 {
         return;

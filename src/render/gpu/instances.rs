@@ -111,12 +111,11 @@ impl Instances {
         }
     }
 
-    /// Draws everything in the reference's order: all spheres, then all cylinders.
-    pub(super) fn draw(&self, pipelines: &Pipelines, pass: &mut wgpu::RenderPass<'_>) {
+    /// Draws everything in the reference's order: all spheres, then all cylinders, each with its pipeline.
+    pub(super) fn draw(&self, pipelines: &[wgpu::RenderPipeline; 2], pass: &mut wgpu::RenderPass<'_>) {
         type ChunksOf = fn(&BlockBuffers) -> &Chunks;
-        let kinds: [(&wgpu::RenderPipeline, ChunksOf); 2] =
-            [(&pipelines.spheres, |block| &block.spheres), (&pipelines.cylinders, |block| &block.cylinders)];
-        for (pipeline, chunks_of) in kinds {
+        let kinds: [ChunksOf; 2] = [|block| &block.spheres, |block| &block.cylinders];
+        for (pipeline, chunks_of) in pipelines.iter().zip(kinds) {
             pass.set_pipeline(pipeline);
             let mut offset = 0;
             for &block in &self.placed {

@@ -20,6 +20,7 @@ mod instances;
 pub mod layout;
 mod pipelines;
 pub mod shaders;
+mod sky;
 mod targets;
 mod window;
 
@@ -35,6 +36,7 @@ use draw::Draw;
 use ground::Ground;
 use instances::Instances;
 use pipelines::Pipelines;
+use sky::Sky;
 use std::sync::Arc;
 use targets::{Targets, tiles};
 
@@ -52,6 +54,7 @@ pub struct GpuRenderer {
     scene: Option<Arc<Scene>>,
     instances: Option<Instances>,
     ground: Ground,
+    sky: Sky,
     targets: Option<Targets>,
 }
 
@@ -90,7 +93,7 @@ impl GpuRenderer {
 
     fn on(gpu: Gpu) -> Result<GpuRenderer> {
         let pipelines = Pipelines::new(&gpu)?;
-        let (frame_buffer, sample_buffer, frame_group, ground) = gpu.guard("making the uniforms", || {
+        let (frame_buffer, sample_buffer, frame_group, ground, sky) = gpu.guard("making the uniforms", || {
             let uniform = |label, size| gpu.empty_buffer(label, wgpu::BufferUsages::UNIFORM, size);
             let frame = uniform("frame", layout::FRAME_BYTES);
             let sample = uniform("sample", size_of::<layout::SampleConstants>() as u64);
@@ -102,10 +105,21 @@ impl GpuRenderer {
                     wgpu::BindGroupEntry { binding: 1, resource: sample.as_entire_binding() },
                 ],
             });
-            Ok((frame, sample, group, Ground::new(&gpu)))
+            Ok((frame, sample, group, Ground::new(&gpu), Sky::new(&gpu, &pipelines)))
         })?;
         let (scene, instances, targets) = (None, None, None);
-        Ok(GpuRenderer { gpu, pipelines, frame_buffer, sample_buffer, frame_group, scene, instances, ground, targets })
+        Ok(GpuRenderer {
+            gpu,
+            pipelines,
+            frame_buffer,
+            sample_buffer,
+            frame_group,
+            scene,
+            instances,
+            ground,
+            sky,
+            targets,
+        })
     }
 
     /// What it runs on; `None` on the noop backend.
@@ -120,13 +134,16 @@ impl GpuRenderer {
     }
 
     /// Writes everything that depends on scene, camera and settings, but not on tile and sample.
-    fn begin(&mut self, view: &View, settings: &Settings, with_ground_map: bool) -> Result<FrameConstants> {
+    fn begin(&mut self, view: &View, settings: &Settings, with_light: bool) -> Result<FrameConstants> {
         let empty = || Arc::new(Scene::from_blocks(Vec::new(), Vec::new()));
         let scene = self.scene.clone().unwrap_or_else(empty);
         let max_texels = self.gpu.limits.max_texture_dimension_2d.saturating_sub(2);
         let settings = Settings { ground_texels: settings.ground_texels.min(max_texels), ..*settings };
         let frame = FrameConstants::new(&scene, view, &settings);
         let gpu = &self.gpu;
+        if with_light {
+            self.sky.prepare(gpu, &self.pipelines, self.instances.as_ref(), &scene, (&frame, &settings))?;
+        }
         gpu.guard("writing the frame", || {
             gpu.queue.write_buffer(&self.frame_buffer, 0, bytemuck::bytes_of(&frame));
             if let Some(instances) = &self.instances {
@@ -134,14 +151,15 @@ impl GpuRenderer {
             }
             Ok(())
         })?;
-        if with_ground_map {
+        if with_light {
             self.ground.prepare(gpu, &self.pipelines, &self.frame_group, &scene, &frame)?;
         }
         Ok(frame)
     }
 
-    fn draw(&self) -> Draw<'_> {
+    fn draw(&self, settings: &Settings) -> Draw<'_> {
         Draw {
+            sky_group: self.sky.group(settings),
             gpu: &self.gpu,
             pipelines: &self.pipelines,
             frame_group: &self.frame_group,
@@ -183,6 +201,7 @@ impl Renderer for GpuRenderer {
             // The old one goes first: the two together may be more than the device holds.
             (self.scene, self.instances) = (None, None);
             self.ground.clear();
+            self.sky.clear();
             self.instances = Some(Instances::new(&self.gpu, &self.pipelines, &scene)?);
         }
         self.scene = Some(scene);
@@ -195,7 +214,7 @@ impl Renderer for GpuRenderer {
         let (tiles, targets) = self.tiles(region)?;
         let samples = settings.samples.clamp(1, 4096);
         let mut rgba = zeroed(region, 4)?;
-        let draw = self.draw();
+        let draw = self.draw(settings);
         self.gpu.guard("drawing", || {
             let size = tiles.first().map_or([1, 1], |tile| [tile.width, tile.height]);
             let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
@@ -222,7 +241,7 @@ impl Renderer for GpuRenderer {
         let region = view.region();
         let (tiles, targets) = self.tiles(region)?;
         let mut texels: Vec<u8> = zeroed(region, 16)?;
-        let draw = self.draw();
+        let draw = self.draw(&Settings::default());
         self.gpu.guard("drawing surfaces", || {
             for &tile in &tiles {
                 draw.surface(&targets, tile);

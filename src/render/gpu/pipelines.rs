@@ -2,8 +2,8 @@
 
 use super::device::Gpu;
 use super::layout::{
-    CYLINDER_ATTRIBUTES, DEPTH_FORMAT, FRAME_BYTES, FieldConstants, GROUND_FORMAT, IMAGE_FORMAT, PlacementConstants,
-    SPHERE_ATTRIBUTES, SUM_FORMAT, SURFACE_FORMAT, SampleConstants,
+    CYLINDER_ATTRIBUTES, DEPTH_FORMAT, FRAME_BYTES, FieldConstants, GROUND_FORMAT, HEIGHT_FORMAT, IMAGE_FORMAT,
+    PlacementConstants, SPHERE_ATTRIBUTES, SUM_FORMAT, SURFACE_FORMAT, SampleConstants,
 };
 use super::shaders;
 use crate::error::Result;
@@ -23,8 +23,12 @@ pub(super) struct Pipelines {
     pub(super) resolve_layout: wgpu::BindGroupLayout,
     /// Group 1 of the ground pass: the distance field.
     pub(super) field_layout: wgpu::BindGroupLayout,
-    pub(super) spheres: wgpu::RenderPipeline,
-    pub(super) cylinders: wgpu::RenderPipeline,
+    /// Group 2 of the shade pass: the maps of the sky and of the key light, and their directions.
+    pub(super) sky_layout: wgpu::BindGroupLayout,
+    /// Surfaces of spheres and cylinders.
+    pub(super) surfaces: [wgpu::RenderPipeline; 2],
+    /// Heights of spheres and cylinders, for a light's map.
+    pub(super) heights: [wgpu::RenderPipeline; 2],
     pub(super) ground_map: wgpu::RenderPipeline,
     pub(super) shade: wgpu::RenderPipeline,
     pub(super) resolve: wgpu::RenderPipeline,
@@ -77,6 +81,16 @@ impl Pipelines {
             &[uniform(0, size_of::<FieldConstants>() as u64, false), texture(1, floats), texture(2, floats)],
         );
 
+        let layers = |binding| wgpu::BindGroupLayoutEntry {
+            ty: wgpu::BindingType::Texture {
+                sample_type: words,
+                view_dimension: wgpu::TextureViewDimension::D2Array,
+                multisampled: false,
+            },
+            ..texture(binding, words)
+        };
+        let sky_layout = layout("sky", &[layers(0), texture(1, floats), layers(2), texture(3, floats)]);
+
         let sphere_module = module(gpu, "sphere.wgsl")?;
         let cylinder_module = module(gpu, "cylinder.wgsl")?;
         let sphere_buffer = wgpu::VertexBufferLayout {
@@ -90,23 +104,26 @@ impl Pipelines {
             attributes: &CYLINDER_ATTRIBUTES,
         };
         let groups = [&frame_layout, &placement_layout];
-        let solid = |label: &str, module: &wgpu::ShaderModule, buffer| {
-            let entries = [format!("vs_{label}"), format!("fs_{label}")];
-            pipeline(gpu, label, module, [&entries[0], &entries[1]], Some(buffer), SURFACE_FORMAT, &groups)
+        let solids = |what: &str, format| {
+            let kinds = [("sphere", &sphere_module, &sphere_buffer), ("cylinder", &cylinder_module, &cylinder_buffer)];
+            kinds.map(|(kind, module, buffer)| {
+                let entries = [format!("vs_{kind}"), format!("fs_{kind}{what}")];
+                pipeline(gpu, kind, module, [&entries[0], &entries[1]], Some(buffer.clone()), format, &groups)
+            })
         };
-        let spheres = solid("sphere", &sphere_module, sphere_buffer);
-        let cylinders = solid("cylinder", &cylinder_module, cylinder_buffer);
 
-        let full = |label: &str, file: &str, entry: &str, format, group| -> Result<wgpu::RenderPipeline> {
+        let full = |label: &str, file: &str, entry: &str, format, own: &[&wgpu::BindGroupLayout]| {
+            let groups: Vec<_> = std::iter::once(&frame_layout).chain(own.iter().copied()).collect();
             let module = module(gpu, file)?;
-            Ok(pipeline(gpu, label, &module, ["vs_fullscreen", entry], None, format, &[&frame_layout, group]))
+            Ok::<_, crate::Error>(pipeline(gpu, label, &module, ["vs_fullscreen", entry], None, format, &groups))
         };
         Ok(Pipelines {
-            spheres,
-            cylinders,
-            ground_map: full("ground map", "ground_map.wgsl", "fs_ground_map", GROUND_FORMAT, &field_layout)?,
-            shade: full("shade", "shade_pass.wgsl", "fs_shade", SUM_FORMAT, &shade_layout)?,
-            resolve: full("resolve", "resolve.wgsl", "fs_resolve", IMAGE_FORMAT, &resolve_layout)?,
+            surfaces: solids("", SURFACE_FORMAT),
+            heights: solids("_height", HEIGHT_FORMAT),
+            ground_map: full("ground map", "ground_map.wgsl", "fs_ground_map", GROUND_FORMAT, &[&field_layout])?,
+            shade: full("shade", "shade_pass.wgsl", "fs_shade", SUM_FORMAT, &[&shade_layout, &sky_layout])?,
+            resolve: full("resolve", "resolve.wgsl", "fs_resolve", IMAGE_FORMAT, &[&resolve_layout])?,
+            sky_layout,
             frame_layout,
             placement_layout,
             shade_layout,

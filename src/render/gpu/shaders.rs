@@ -27,6 +27,7 @@ pub const FILES: &[(&str, &str)] = embed![
     "resolve.wgsl",
     "shade.wgsl",
     "shade_pass.wgsl",
+    "sky.wgsl",
     "sphere.wgsl",
     "unpack.wgsl",
 ];

@@ -94,7 +94,7 @@ impl GpuRenderer {
             _ => (Targets::new(&self.gpu, &self.pipelines, size)?, 0),
         };
         let end = done.saturating_add(add.max(u32::from(done == 0)));
-        let draw = self.draw();
+        let draw = self.draw(settings);
         self.gpu.guard("drawing", || draw.samples(&targets, region, [done, end], settings.samples.max(end)))?;
         let shown = self.acquire(window)?;
         if let Some(texture) = shown {

@@ -1,0 +1,138 @@
+use super::*;
+use crate::color::Srgb8;
+use crate::render::sky;
+use crate::render::test_shapes::{Random, Shape, at};
+use crate::scene::{Block, CylinderInstance, Placement, Ray, SphereInstance};
+use glam::DVec3;
+
+/// A chain of balls and sticks, folded at random into a ball: as dense as atoms are in a protein.
+fn chain(seed: u64, count: u32, caps: u32) -> Scene {
+    let mut random = Random(seed);
+    let limit = 2.0 * f64::from(count).cbrt();
+    let mut points: Vec<DVec3> = vec![DVec3::ZERO];
+    while points.len() < count as usize {
+        let next = points[points.len() - 1] + random.direction() * 1.5;
+        if next.length() < limit {
+            points.push(next);
+        }
+    }
+    let (color, place) = (Srgb8::WHITE, |p: &DVec3| p.as_vec3().to_array());
+    let spheres = (points.iter().zip(1..))
+        .map(|(p, id)| SphereInstance { center: place(p), radius: random.between(0.25, 0.4) as f32, color, id })
+        .collect();
+    let cylinders = (points.windows(2).zip(count + 1..))
+        .map(|(ends, id)| CylinderInstance {
+            a: place(&ends[0]),
+            radius: 0.13,
+            b: place(&ends[1]),
+            id,
+            color_a: color,
+            color_b: color,
+            caps,
+            reserved: 0,
+        })
+        .collect();
+    let placement = Placement { block: 0, world_from_block: Affine3A::IDENTITY, first_id: 0 };
+    Scene::from_blocks(vec![Block { spheres, cylinders, id_count: 2 * count }], vec![placement])
+}
+
+fn shapes(scene: &Scene) -> Vec<Shape> {
+    let solids = Solids::new(scene, Affine3A::IDENTITY);
+    solids.spheres.iter().map(Shape::sphere).chain(solids.cylinders.iter().map(Shape::cylinder)).collect()
+}
+
+/// The first hit of any shape, f64, one after the other.
+fn first_hit(shapes: &[Shape], ray: &Ray) -> Option<(DVec3, DVec3)> {
+    let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3().normalize());
+    let near = |shape: &&Shape| {
+        let to = shape.center - origin;
+        (to - direction * to.dot(direction)).length() <= shape.half + shape.radius
+    };
+    let hits = shapes.iter().filter(near).filter_map(|shape| shape.first_hit(ray, 0.0));
+    hits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(t, _, normal)| (at(ray, t), normal))
+}
+
+/// Points of the scene that are seen from somewhere outside, and their normals.
+fn visible_points(scene: &Scene, shapes: &[Shape], count: usize) -> Vec<(DVec3, DVec3)> {
+    let mut random = Random(11);
+    let radius = f64::from(scene.bounds().size().length());
+    let mut points = Vec::new();
+    while points.len() < count {
+        let from = random.direction() * radius;
+        let to = random.direction() * random.between(0.0, 0.45 * radius);
+        let ray = Ray { origin: from.as_vec3(), direction: (to - from).normalize().as_vec3() };
+        points.extend(first_hit(shapes, &ray));
+    }
+    points
+}
+
+/// Parts of the directions that points see, by rays and by maps.
+fn compare<const WEIGHTED: bool>(scene: &Scene, directions: &[Vec3], count: usize) -> Vec<(f64, f64)> {
+    let shapes = shapes(scene);
+    let maps = Maps::new(scene, directions);
+    let center = scene.bounds().center();
+    let points = visible_points(scene, &shapes, count);
+    let ask = |&(p, n): &(DVec3, DVec3)| {
+        let mut eight = Points::default();
+        eight.set(3, p.as_vec3() - center, n.as_vec3());
+        maps.ask::<WEIGHTED>(&mut eight);
+        let free = |d: Vec3| {
+            let origin = (p + n * f64::from(sky::START_OFFSET)).as_vec3();
+            first_hit(&shapes, &Ray { origin, direction: d }).is_none()
+        };
+        let unasked = sky::Reach { open: -1.0, key: -1.0 };
+        let want = match WEIGHTED {
+            true => sky::reach(n.as_vec3(), directions, &[], unasked, free).open,
+            false => sky::reach(n.as_vec3(), &[], directions, unasked, free).key,
+        };
+        (f64::from(want), f64::from(eight.part(3)))
+    };
+    points.par_iter().map(ask).collect()
+}
+
+fn rms(pairs: &[(f64, f64)]) -> f64 {
+    (pairs.iter().map(|(want, got)| (want - got).powi(2)).sum::<f64>() / pairs.len() as f64).sqrt()
+}
+
+#[test]
+fn sky_visibility_is_that_of_rays() {
+    for (count, caps) in [(30, 5), (300, 5), (300, 10), (3000, 5)] {
+        let scene = chain(u64::from(count), count, caps);
+        let pairs = compare::<true>(&scene, &sky::directions(64), 600);
+        let mean = |part: fn(&(f64, f64)) -> f64| pairs.iter().map(part).sum::<f64>() / pairs.len() as f64;
+        let (want, got) = (mean(|p| p.0), mean(|p| p.1));
+        println!("{count} atoms: rms {:.4}, means {want:.4} and {got:.4}", rms(&pairs));
+        assert!(want > 0.2 && want < 0.95, "{want}: there is something to see, and something in the way");
+        assert!(rms(&pairs) < 0.03, "{count}: {}", rms(&pairs));
+        assert!((want - got).abs() < 0.006, "{count}: the maps are {got} in the mean, rays {want}");
+    }
+}
+
+#[test]
+fn the_keys_visibility_is_that_of_rays() {
+    let scene = chain(4, 300, 5);
+    let pairs = compare::<false>(&scene, &sky::key_directions(Vec3::new(-0.5, 0.7, 0.5).normalize()), 600);
+    assert!(pairs.iter().any(|p| p.0 > 0.9) && pairs.iter().any(|p| p.0 < 0.1));
+    assert!(rms(&pairs) < 0.06, "{}", rms(&pairs));
+}
+
+#[test]
+fn a_ball_alone_hides_nothing_from_itself_however_grazing() {
+    let spheres = vec![SphereInstance { center: [300.0, -200.0, 100.0], radius: 1.3, color: Srgb8::WHITE, id: 1 }];
+    let placement = Placement { block: 0, world_from_block: Affine3A::IDENTITY, first_id: 0 };
+    let scene = Scene::from_blocks(vec![Block { spheres, cylinders: vec![], id_count: 1 }], vec![placement]);
+    let maps = Maps::new(&scene, &sky::directions(64));
+    for n in sky::directions(2000) {
+        let mut eight = Points::default();
+        eight.set(0, n * 1.3, n);
+        maps.ask::<true>(&mut eight);
+        assert!(eight.part(0) > 0.999, "{n}: {}", eight.part(0));
+    }
+}
+
+#[test]
+fn an_empty_scene_has_no_maps() {
+    let scene = Scene::from_blocks(Vec::new(), Vec::new());
+    assert!(Maps::new(&scene, &sky::directions(4)).is_empty());
+    assert!(Maps::new(&chain(1, 3, 5), &[]).is_empty());
+}
