@@ -16,11 +16,13 @@ mod positions;
 mod symmetry;
 
 pub use bond::{Bond, BondKind, BondOrder, BondSource, StatedBonds};
+pub(crate) use builder::AtomColumns;
 pub use builder::{AtomRecord, StructureBuilder};
 pub use cell::Cell;
 pub use component::{ComponentBond, ComponentBonds};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use names::{NameId, Names};
+pub(crate) use positions::Points;
 pub use positions::Positions;
 pub use symmetry::{Symmetry, SymmetryOperation};
 
