@@ -310,7 +310,8 @@ mod tests {
 
     #[test]
     fn pieces_and_parts_are_the_whole() {
-        let point = |n: usize| DVec3::new(n as f64 * 0.25, -(n as f64), 0.123_456_789_01 * n as f64);
+        let point =
+            |n: usize| DVec3::new((n % 4000) as f64 * 0.25, -((n % 999) as f64), 0.123_456_789_01 * (n % 77) as f64);
         let points: Vec<DVec3> = (0..3 * PIECE + 5).map(point).collect();
         for decimals in [2, 11] {
             let whole = Positions::from_f64(&points, decimals);

@@ -106,7 +106,7 @@ impl<'a> Coded<'a> {
     }
 }
 
-/// The residues: what their rows say, and in which row each begins.
+/// The residues: what the row says in which each begins (until those are known, what each row says).
 struct Runs<'a> {
     chain: Coded<'a>,
     name: Coded<'a>,
@@ -156,6 +156,7 @@ impl<'a> Runs<'a> {
             begins: Vec::new(),
         };
         runs.begins = runs.find_begins(table.rows);
+        runs.forget_the_rest();
         Some(runs)
     }
 
@@ -185,6 +186,23 @@ impl<'a> Runs<'a> {
         begins.iter().zip(0..).filter(|(begins, _)| **begins).map(|(_, row)| row).collect()
     }
 
+    /// Keeps the rows in which residues begin.
+    fn forget_the_rest(&mut self) {
+        fn keep<T: Copy>(values: &mut Vec<T>, rows: &[u32]) {
+            *values = rows.iter().map(|&row| values[row as usize]).collect();
+        }
+        let begins = &self.begins;
+        for coded in [Some(&mut self.chain), Some(&mut self.name), self.label_chain.as_mut()].into_iter().flatten() {
+            keep(&mut coded.indices, begins);
+        }
+        for numbers in [Some(&mut self.number), self.label_number.as_mut()].into_iter().flatten() {
+            keep(numbers, begins);
+        }
+        if let Some(codes) = &mut self.insertion_code {
+            keep(codes, begins);
+        }
+    }
+
     /// Gives the builder residues and the names of their atoms, which become its names in the order in which rows
     /// would have them met; returns the residues' labels.
     fn name(self, builder: &mut StructureBuilder, texts: &[&str], indices: &[i32]) -> (Vec<ResidueLabel>, Names) {
@@ -194,14 +212,14 @@ impl<'a> Runs<'a> {
         for (number, &first) in self.begins.iter().enumerate() {
             let first = first as usize;
             let end = self.begins.get(number + 1).map_or(indices.len(), |&row| row as usize);
-            let label_chain = self.label_chain.as_ref().map_or("", |coded| coded.text(first));
-            let label_number = self.label_number.as_ref().map(|numbers| numbers[first]);
+            let label_chain = self.label_chain.as_ref().map_or("", |coded| coded.text(number));
+            let label_number = self.label_number.as_ref().map(|numbers| numbers[number]);
             labels.push(ResidueLabel {
                 chain: label_names.intern(label_chain),
-                number: label_number.filter(|&number| number != ABSENT_NUMBER).map(i64::from),
+                number: label_number.filter(|&label| label != ABSENT_NUMBER).map(i64::from),
             });
-            let insertion_code = self.insertion_code.as_ref().map_or(b' ', |codes| codes[first]);
-            let residue = (self.chain.text(first), self.number[first], insertion_code, self.name.text(first));
+            let insertion_code = self.insertion_code.as_ref().map_or(b' ', |codes| codes[number]);
+            let residue = (self.chain.text(number), self.number[number], insertion_code, self.name.text(number));
             builder.push_residue_names(residue, end - first, |builder, atom| {
                 let index = indices[first + atom] as usize;
                 *ids[index].get_or_insert_with(|| builder.name_id(texts[index].as_bytes()))
