@@ -10,7 +10,7 @@
 
 use super::residues::Known;
 use super::rules::{self, PairTable};
-use super::{BondOptions, distance};
+use super::{BondOptions, distance, hbonds};
 use crate::structure::{Bond, Cell, Positions, Structure};
 use glam::{DVec3, IVec3};
 
@@ -31,10 +31,24 @@ pub(super) fn find(
     options: &BondOptions,
 ) -> Vec<Bond> {
     let Some(positions) = structure.frames().get(frame).map(|frame| &frame.positions) else { return Vec::new() };
-    let extended = structure.lattice(frame).and_then(|cell| Extended::new(structure, positions, cell, options));
+    let reach = f64::from(PairTable::new(structure.elements(), options).longest(true));
+    let extended = structure.lattice(frame).and_then(|cell| Extended::new(structure, positions, cell, reach));
     match extended {
         Some(extended) => extended.find(settled, known, options),
         None => distance::find(structure, positions.relative(), settled, known, options),
+    }
+}
+
+/// The hydrogen bonds of a frame whose atoms have these bonds, those to periodic images with them, sorted.
+pub(super) fn hydrogen_bonds(structure: &Structure, frame: usize, bonds: &[Bond]) -> Vec<Bond> {
+    let Some(positions) = structure.frames().get(frame).map(|frame| &frame.positions) else { return Vec::new() };
+    let reach = f64::from(hbonds::LONGEST);
+    match structure.lattice(frame).and_then(|cell| Extended::new(structure, positions, cell, reach)) {
+        Some(extended) => {
+            let everywhere = extended.settled_everywhere(bonds);
+            extended.at_home(hbonds::find(&extended.all, extended.all.positions().relative(), &everywhere))
+        }
+        None => hbonds::find(structure, positions.relative(), bonds),
     }
 }
 
@@ -71,9 +85,9 @@ struct Extended {
 }
 
 impl Extended {
-    fn new(structure: &Structure, positions: &Positions, cell: &Cell, options: &BondOptions) -> Option<Extended> {
+    /// The images as far as two lengths `reach` from the cell; `None` if there would be too many.
+    fn new(structure: &Structure, positions: &Positions, cell: &Cell, reach: f64) -> Option<Extended> {
         let atom_count = structure.atom_count();
-        let reach = f64::from(PairTable::new(structure.elements(), options).longest(true));
         let (to_fractional, from_fractional) = (cell.fractional_from_cartesian(), cell.cartesian_from_fractional());
         let margin = 2.0 * reach / cell.face_distances();
         let mut home = Vec::with_capacity(atom_count);
@@ -126,7 +140,11 @@ impl Extended {
     fn find(&self, settled: &[Bond], known: &Known, options: &BondOptions) -> Vec<Bond> {
         let settled = self.settled_everywhere(settled);
         let known = known.of_copies((0..self.all.atom_count() as u32).map(|index| self.place(index).0));
-        let found = distance::find(&self.all, self.all.positions().relative(), &settled, &known, options);
+        self.at_home(distance::find(&self.all, self.all.positions().relative(), &settled, &known, options))
+    }
+
+    /// The bonds of the atoms themselves, among those of all, each once.
+    fn at_home(&self, found: Vec<Bond>) -> Vec<Bond> {
         let mut bonds: Vec<Bond> = (found.into_iter())
             .filter(|bond| (bond.a as usize) < self.atom_count)
             .filter_map(|bond| {

@@ -1,7 +1,8 @@
 //! The ways an atom can share its electrons, and what each of them costs before statistics have a word.
 
-use super::graph::Graph;
-use super::sites::{RingKinds, UNKNOWN, is_flat_ring};
+use super::graph::{Graph, Neighbour};
+use super::lengths;
+use super::sites::{NO_RING, RingKinds, UNKNOWN, is_flat_ring};
 use crate::element::Element;
 
 /// Heavy neighbours of an atom that has more than one state: more neighbours leave no electrons for a double bond.
@@ -106,7 +107,9 @@ pub(super) fn cost(
         (9 | 17 | 35 | 53, 1) => (0.0, 0),
         (17 | 35 | 53, 3 | 5 | 7) => (2.0, 0),
         (17 | 35 | 53, 2) => (4.0, 1),
-        (17 | 35 | 53, 4 | 6) => (8.0, 0),
+        (17 | 35 | 53, 4 | 6) => (8.0, -1), // ICl₄⁻, BrF₆⁻
+        (14 | 32, 5) => (0.0, -1),
+        (14 | 32, 6) => (0.0, -2),
         (15 | 33 | 51, 3 | 5) => (0.0, 0),
         (15 | 33 | 51, 4) => (if bonds == 4 { 3.0 } else { 6.0 }, 1),
         (15 | 33 | 51, 0..=2) => free(given(6.0), 0),
@@ -149,15 +152,27 @@ pub(super) fn pi_kind(graph: &Graph<'_>, kinds: &RingKinds, atom: usize, extra: 
     }
 }
 
-/// Degrees below which an atom of carbon or nitrogen between two others has neither a triple nor two double bonds:
-/// 158° in cyclooctyne (Haase and Krebs 1971), less 3 standard errors of an angle between positions with errors of 0.03 Å.
-const LINEAR_DEG: f32 = 145.0;
+/// Degrees below which an atom of carbon or nitrogen between two others has neither a triple nor two double bonds. In rings:
+/// 158° in cyclooctyne (Haase and Krebs 1971), less 3 standard errors of an angle between positions with errors of
+/// 0.03 Å. Elsewhere nothing bends it: 180° less 5 standard errors, for the packing of crystals, too.
+const LINEAR_DEG: f32 = 160.0;
+const LINEAR_IN_RING_DEG: f32 = 145.0;
+/// How much shorter than a double bond both bonds of an atom may be that has two neighbours and more than one extra pair, in
+/// ångström: 3 times the error of a length. Two triple bonds in a row are none; the atoms are badly placed.
+const SHORTER_THAN_DOUBLE: f32 = 0.12;
 
-/// Whether an atom is bent as only those without a triple bond and with at most one double bond are.
-fn is_bent(graph: &Graph<'_>, atom: usize) -> bool {
+/// Whether an atom is bent, or crowded, as only those without a triple bond and with at most one double bond are.
+fn is_bent(graph: &Graph<'_>, kinds: &RingKinds, atom: usize) -> bool {
+    let element = graph.elements[atom];
     match *graph.around(atom) {
-        [one, other] if graph.has_geometry() && matches!(graph.elements[atom].z(), 6 | 7) => {
-            graph.vector(atom, one).angle_between(graph.vector(atom, other)).to_degrees() < LINEAR_DEG
+        [one, other] if graph.has_geometry() && matches!(element.z(), 6 | 7) => {
+            let limit = if kinds.atom(atom) == NO_RING { LINEAR_DEG } else { LINEAR_IN_RING_DEG };
+            let is_short = |next: Neighbour| {
+                let double = lengths::expected(element, graph.elements[next.atom as usize], 2);
+                graph.vector(atom, next).length() < double - SHORTER_THAN_DOUBLE
+            };
+            graph.vector(atom, one).angle_between(graph.vector(atom, other)).to_degrees() < limit
+                || is_short(one) && is_short(other)
         }
         _ => false,
     }
@@ -182,7 +197,7 @@ pub(super) fn states(
     let taken = usize::from(held.others) + usize::from(held.hydrogens);
     let bonds = degree + taken;
     let most = usize::from(most_extra(element, degree, taken, is_flat_ring(kinds.atom(atom))));
-    let most = if is_bent(graph, atom) { most.min(1) } else { most };
+    let most = if is_bent(graph, kinds, atom) { most.min(1) } else { most };
     let has_metals = held.metals > 0;
     let limits: [u8; MOST_NEIGHBOURS] =
         std::array::from_fn(|slot| if slot < degree && degree <= MOST_NEIGHBOURS { allowed(slot) } else { 0 });
