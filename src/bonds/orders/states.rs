@@ -2,7 +2,7 @@
 
 use super::graph::{Graph, Neighbour};
 use super::lengths;
-use super::sites::{NO_RING, RingKinds, UNKNOWN, is_flat_ring};
+use super::sites::{RingKinds, UNKNOWN, is_flat_ring};
 use crate::element::Element;
 
 /// Heavy neighbours of an atom that has more than one state: more neighbours leave no electrons for a double bond.
@@ -152,29 +152,49 @@ pub(super) fn pi_kind(graph: &Graph<'_>, kinds: &RingKinds, atom: usize, extra: 
     }
 }
 
-/// Degrees below which an atom of carbon or nitrogen between two others has neither a triple nor two double bonds. In rings:
+/// Degrees below which an atom of carbon or nitrogen between two others has neither a triple nor two double bonds:
 /// 158° in cyclooctyne (Haase and Krebs 1971), less 3 standard errors of an angle between positions with errors of
-/// 0.03 Å. Elsewhere nothing bends it: 180° less 5 standard errors, for the packing of crystals, too.
-const LINEAR_DEG: f32 = 160.0;
-const LINEAR_IN_RING_DEG: f32 = 145.0;
-/// How much shorter than a double bond both bonds of an atom may be that has two neighbours and more than one extra pair, in
-/// ångström: 3 times the error of a length. Two triple bonds in a row are none; the atoms are badly placed.
+/// 0.03 Å.
+const LINEAR_DEG: f32 = 145.0;
+/// How much longer than single the other bond of such an atom is at most, in ångström: 4 times the error of a length.
+const LONGER_THAN_SINGLE: f32 = 0.18;
+/// How much shorter than double a bond may be that is not triple, where the atom has two extra pairs: 3 times the error of
+/// a length. A bond as short as a triple one beside another is a badly placed atom (PDB entry 4HHB).
 const SHORTER_THAN_DOUBLE: f32 = 0.12;
 
-/// Whether an atom is bent, or crowded, as only those without a triple bond and with at most one double bond are.
-fn is_bent(graph: &Graph<'_>, kinds: &RingKinds, atom: usize) -> bool {
-    let element = graph.elements[atom];
-    match *graph.around(atom) {
-        [one, other] if graph.has_geometry() && matches!(element.z(), 6 | 7) => {
-            let limit = if kinds.atom(atom) == NO_RING { LINEAR_DEG } else { LINEAR_IN_RING_DEG };
-            let is_short = |next: Neighbour| {
-                let double = lengths::expected(element, graph.elements[next.atom as usize], 2);
-                graph.vector(atom, next).length() < double - SHORTER_THAN_DOUBLE
-            };
-            graph.vector(atom, one).angle_between(graph.vector(atom, other)).to_degrees() < limit
-                || is_short(one) && is_short(other)
-        }
-        _ => false,
+/// Which extra pairs geometry allows an atom of carbon or nitrogen with two neighbours.
+#[derive(Clone, Copy)]
+struct Linear {
+    /// Whether it may have two.
+    may_be: bool,
+    /// Whether each bond is too short to be anything but triple then.
+    is_short: [bool; 2],
+}
+
+impl Linear {
+    fn new(graph: &Graph<'_>, atom: usize) -> Linear {
+        let element = graph.elements[atom];
+        let (&[one, other], true, 6 | 7) = (graph.around(atom), graph.has_geometry(), element.z()) else {
+            return Linear { may_be: true, is_short: [false; 2] };
+        };
+        let vectors = [one, other].map(|next| graph.vector(atom, next));
+        let expected = |order: usize| {
+            [one, other].map(|next| lengths::expected(element, graph.elements[next.atom as usize], order))
+        };
+        let (single, double) = (expected(1), expected(2));
+        let is_long = |slot: usize| vectors[slot].length() > single[slot] + LONGER_THAN_SINGLE;
+        // In azides both bonds between nitrogens are as short as triple ones (1.13 and 1.24 Å).
+        let has_carbon = |next: Neighbour| element == Element::C || graph.elements[next.atom as usize] == Element::C;
+        let is_short =
+            |slot: usize| has_carbon([one, other][slot]) && vectors[slot].length() < double[slot] - SHORTER_THAN_DOUBLE;
+        let is_bent = vectors[0].angle_between(vectors[1]).to_degrees() < LINEAR_DEG;
+        Linear { may_be: !is_bent && !is_long(0) && !is_long(1), is_short: [is_short(0), is_short(1)] }
+    }
+
+    /// Whether these extra pairs on the two bonds fit.
+    fn fits(self, extra: [u8; 2]) -> bool {
+        extra[0] + extra[1] < 2
+            || self.may_be && (extra[0] == 2 || !self.is_short[0]) && (extra[1] == 2 || !self.is_short[1])
     }
 }
 
@@ -197,7 +217,7 @@ pub(super) fn states(
     let taken = usize::from(held.others) + usize::from(held.hydrogens);
     let bonds = degree + taken;
     let most = usize::from(most_extra(element, degree, taken, is_flat_ring(kinds.atom(atom))));
-    let most = if is_bent(graph, kinds, atom) { most.min(1) } else { most };
+    let linear = Linear::new(graph, atom);
     let has_metals = held.metals > 0;
     let limits: [u8; MOST_NEIGHBOURS] =
         std::array::from_fn(|slot| if slot < degree && degree <= MOST_NEIGHBOURS { allowed(slot) } else { 0 });
@@ -205,6 +225,9 @@ pub(super) fn states(
         let of = |slot: usize| (extra >> (2 * slot)) & 3;
         let sum: usize = (0..MOST_NEIGHBOURS).map(|slot| usize::from(of(slot))).sum();
         if (0..MOST_NEIGHBOURS).any(|slot| of(slot) > limits[slot]) || sum + fixed_extra > most.max(fixed_extra) {
+            continue;
+        }
+        if !linear.fits([of(0), of(1)]) {
             continue;
         }
         let pi = pi_kind(graph, kinds, atom, extra);

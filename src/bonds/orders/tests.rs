@@ -641,7 +641,7 @@ fn a_triple_bond_needs_a_line_and_a_length() {
     };
     assert_eq!(multiple(&structure(&butyne(180.0, 1.2))), ["C#C"]);
     assert_eq!(multiple(&structure(&butyne(168.0, 1.2))), ["C#C"]);
-    for (angle, length) in [(150.0, 1.2), (180.0, 1.05)] {
+    for (angle, length) in [(140.0, 1.2), (180.0, 1.03)] {
         assert!(!multiple(&structure(&butyne(angle, length))).contains(&"C#C".to_owned()), "{angle} {length}");
     }
 }
