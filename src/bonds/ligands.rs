@@ -224,3 +224,114 @@ fn double_count(bonds: &[Bond], around: &Around, at: &impl Fn(u32) -> Element, m
     let others = if all.len() <= 4 { others } else { 0 };
     highest_state(at(metal)).saturating_sub(oxides + others).clamp(1, oxides.max(1))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{BondOptions, find};
+    use super::*;
+    use crate::structure::{AtomRecord, BondSource, Diagnostics, StatedBonds, StructureBuilder};
+    use glam::DVec3;
+
+    type Site = (&'static str, [f64; 3]);
+
+    fn kinds_with(sites: &[Site], stated: &[(u32, u32)]) -> Vec<(BondKind, u8)> {
+        let mut builder = StructureBuilder::new();
+        for &(symbol, position) in sites {
+            let element = Element::from_symbol(symbol).unwrap();
+            builder.push_atom(&AtomRecord { element, position: DVec3::from(position), ..AtomRecord::default() });
+        }
+        for &(a, b) in stated {
+            builder.push_bond(Bond::new(a, b, BondOrder::Single, BondSource::File));
+        }
+        if !stated.is_empty() {
+            builder.set_stated_bonds(StatedBonds::Partial);
+        }
+        let structure = builder.build(&mut Diagnostics::default());
+        let of_metal =
+            |bond: &&Bond| [bond.a, bond.b].iter().any(|&atom| structure.elements()[atom as usize].is_metal());
+        let bonds = find(&structure, 0, &BondOptions::default());
+        bonds.iter().filter(of_metal).map(|bond| (bond.kind, bond.order.number())).collect()
+    }
+
+    fn kinds(sites: &[Site]) -> Vec<(BondKind, u8)> {
+        kinds_with(sites, &[])
+    }
+
+    /// Corners of a tetrahedron at a distance from a metal in the origin.
+    fn tetrahedron(metal: &'static str, end: &'static str, length: f64) -> Vec<Site> {
+        let corners = [[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0]];
+        let mut sites = vec![(metal, [0.0; 3])];
+        sites.extend(corners.map(|corner| (end, corner.map(|along| along * length / 3f64.sqrt()))));
+        sites
+    }
+
+    const SHARED: (BondKind, u8) = (BondKind::Covalent, 1);
+    const GIVEN: (BondKind, u8) = (BondKind::Coordination, 0);
+
+    #[test]
+    fn terminal_halogens_and_alkyls_share_a_pair_on_every_metal_but_the_most_electropositive() {
+        for (metal, end, length) in
+            [("Ti", "Cl", 2.17), ("Zn", "Cl", 2.27), ("Cu", "Cl", 2.25), ("Sn", "Cl", 2.28), ("Ti", "C", 2.05)]
+        {
+            assert_eq!(kinds(&tetrahedron(metal, end, length)), [SHARED; 4], "{metal}{end}");
+        }
+        assert_eq!(kinds(&[("Cl", [-2.28, 0.0, 0.0]), ("Hg", [0.0; 3]), ("Cl", [2.28, 0.0, 0.0])]), [SHARED; 2]);
+        assert_eq!(kinds(&[("Na", [0.0; 3]), ("Cl", [2.36, 0.0, 0.0])]), [GIVEN]);
+        // Methyllithium, and a Grignard compound with two ethers: carbon and bromine share.
+        assert_eq!(kinds(&[("Li", [0.0; 3]), ("C", [1.96, 0.0, 0.0])]), [SHARED]);
+        let grignard = [
+            ("Mg", [0.0; 3]),
+            ("C", [2.1, 0.0, 0.0]),
+            ("Br", [-1.1, 2.2, 0.0]),
+            ("O", [-1.0, -1.0, 1.45]),
+            ("O", [-1.0, -1.0, -1.45]),
+        ];
+        assert_eq!(kinds(&grignard), [SHARED, SHARED, GIVEN, GIVEN]);
+    }
+
+    #[test]
+    fn lone_pairs_and_bridges_coordinate() {
+        // Cisplatin; aqua ligands; a chlorine between two coppers; cyanide; ethene by both carbons.
+        let cisplatin = [
+            ("Pt", [0.0; 3]),
+            ("Cl", [2.33, 0.0, 0.0]),
+            ("Cl", [0.0, 2.33, 0.0]),
+            ("N", [-2.02, 0.0, 0.0]),
+            ("N", [0.0, -2.02, 0.0]),
+        ];
+        assert_eq!(kinds(&cisplatin), [SHARED, SHARED, GIVEN, GIVEN]);
+        assert_eq!(kinds(&tetrahedron("Fe", "O", 2.1)), [GIVEN; 4]);
+        let bridge = [("Cu", [1.7, 0.0, 0.0]), ("Cu", [-1.7, 0.0, 0.0]), ("Cl", [0.0, 1.5, 0.0])];
+        assert_eq!(kinds(&bridge), [GIVEN; 2]);
+        assert_eq!(kinds(&[("Ag", [0.0; 3]), ("C", [2.05, 0.0, 0.0]), ("N", [3.2, 0.0, 0.0])]), [GIVEN]);
+        assert_eq!(kinds(&[("Pt", [0.0; 3]), ("C", [2.02, 0.7, 0.0]), ("C", [2.02, -0.7, 0.0])]), [GIVEN; 2]);
+        // Thiolate on zinc.
+        assert_eq!(kinds(&[("Zn", [0.0; 3]), ("S", [2.3, 0.0, 0.0]), ("C", [2.9, 1.7, 0.0])]), [GIVEN]);
+    }
+
+    #[test]
+    fn conect_says_no_more_of_the_kind_than_the_distance() {
+        let listed = kinds_with(&tetrahedron("Ti", "Cl", 2.17), &[(0, 1), (0, 2), (0, 3), (0, 4)]);
+        assert_eq!(listed, [SHARED; 4]);
+    }
+
+    #[test]
+    fn oxides_have_double_bonds_as_far_as_the_oxidation_state_goes() {
+        let double = (BondKind::Covalent, 2);
+        assert_eq!(kinds(&tetrahedron("Mn", "O", 1.63)), [double, double, double, SHARED]);
+        assert_eq!(kinds(&tetrahedron("Os", "O", 1.71)), [double; 4]);
+        let mut uranyl = vec![("U", [0.0; 3]), ("O", [0.0, 0.0, 1.77]), ("O", [0.0, 0.0, -1.77])];
+        uranyl.extend(
+            (0..5)
+                .map(|i| f64::from(i) * 72f64.to_radians())
+                .map(|turn| ("O", [2.41 * turn.cos(), 2.41 * turn.sin(), 0.0])),
+        );
+        assert_eq!(kinds(&uranyl), [double, double, GIVEN, GIVEN, GIVEN, GIVEN, GIVEN]);
+        // Vanadium oxytrichloride; a porphyrin's iron(IV) oxide, and hydroxide instead.
+        let mut chloride = tetrahedron("V", "Cl", 2.14);
+        chloride[1] = ("O", [0.906, 0.906, 0.906]);
+        assert_eq!(kinds(&chloride), [double, SHARED, SHARED, SHARED]);
+        assert_eq!(kinds(&[("Fe", [0.0; 3]), ("O", [1.65, 0.0, 0.0])]), [double]);
+        assert_eq!(kinds(&[("Fe", [0.0; 3]), ("O", [1.9, 0.0, 0.0])]), [GIVEN]);
+    }
+}

@@ -294,6 +294,26 @@ mod tests {
     }
 
     #[test]
+    fn a_cut_row_of_dashes_has_whole_ones_up_to_the_face() {
+        let structure = pair(BondKind::Hydrogen);
+        for part in [0.4, 0.7] {
+            let bond = structure.bonds()[0];
+            let stubs = [Stub { bond, vector: DVec3::new(0.0, 2.9, 0.0), part }];
+            let alone = structure.clone().with_bonds(Vec::new());
+            let block = build(&Item { stubs: &stubs, ..Item::of(&alone) }, &SceneOptions::default());
+            let lengths: Vec<f32> = block.cylinders.iter().map(|dash| dash.b[1] - dash.a[1]).collect();
+            assert!(
+                lengths.len() > 1 && lengths.iter().all(|length| (length - lengths[0]).abs() < 1e-4),
+                "{lengths:?}"
+            );
+            let last = block.cylinders[lengths.len() - 1];
+            assert!((f64::from(last.b[1]) - 2.9 * part).abs() < 1e-4);
+            assert!(block.cylinders.iter().all(|dash| dash.color_a == dash.color_b));
+            assert_eq!(last.color_a == block.cylinders[0].color_a, part < 0.5);
+        }
+    }
+
+    #[test]
     fn what_is_no_shared_pair_is_dashed_between_the_balls() {
         let options = SceneOptions::default();
         for (kind, is_row) in [

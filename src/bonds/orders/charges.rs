@@ -261,7 +261,7 @@ fn ions_of_rings(
         let is_on_metal = atoms().all(|atom| graph.held(atom).metals > 0);
         let held = graph.held(ion);
         let is_short = graph.degree(ion) + usize::from(held.hydrogens) == 3 && is_known(ion);
-        if !is_short && !(is_on_metal && held.hydrogens == 0) {
+        if !(is_short || is_on_metal && held.hydrogens == 0) {
             continue;
         }
         let has_double_in_rings = |atom: usize| {

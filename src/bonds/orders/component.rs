@@ -237,7 +237,9 @@ impl<'s, 'a> Component<'s, 'a> {
         let state = |place: usize| self.states[place][usize::from(chosen[place])].0;
         let site_of = |atom: usize| self.setup.sites[atom];
         for (place, &atom) in self.atoms.iter().enumerate() {
-            features::of_atom(&self.setup.graph, &self.setup.kinds, &site_of, atom as usize, state(place), sink);
+            let graph = &self.setup.graph;
+            let atom = (atom as usize, features::opposite_angles(graph, atom as usize));
+            features::of_atom(graph, &self.setup.kinds, &site_of, atom, state(place), sink);
         }
         for (a, b, slot, _, pair) in &self.edges {
             let (one, other) = (state(*a as usize), state(*b as usize));
@@ -254,9 +256,10 @@ impl<'s, 'a> Component<'s, 'a> {
         let site_of = |atom: usize| self.setup.sites[atom];
         let mut problem = Problem::default();
         for (&atom, states) in self.atoms.iter().zip(&self.states) {
+            let atom = (atom as usize, features::opposite_angles(graph, atom as usize));
             let score = |&(state, cost): &(State, f32)| {
                 let mut score = -cost;
-                features::of_atom(graph, kinds, &site_of, atom as usize, state, &mut |feature, value| {
+                features::of_atom(graph, kinds, &site_of, atom, state, &mut |feature, value| {
                     score += weights.weight(feature) * value;
                 });
                 score
