@@ -64,7 +64,7 @@ pub(super) fn find(
         let element = graph.elements[atom];
         let bonds = usize::from(held.hydrogens) + usize::from(held.others) + graph.degree(atom);
         // An atom without any bond is an ion of unknown charge, or the oxygen of a water.
-        if bonds == 0 || without_pairs.contains(&(atom as u32)) {
+        if bonds == 0 || without_pairs.binary_search(&(atom as u32)).is_ok() {
             return 0;
         }
         let hydrogens = (is_known(atom) || is_bare_on_metal(graph, atom)).then_some(held.hydrogens);
@@ -97,7 +97,7 @@ pub(super) fn find(
     }
     let of_rings = ions_of_rings(graph, rings, order, is_known);
     if !of_rings.is_empty() {
-        charges.retain(|(atom, _)| !of_rings.iter().any(|(other, _)| other == atom));
+        charges.retain(|(atom, _)| of_rings.binary_search_by_key(atom, |&(other, _)| other).is_err());
         charges.extend(of_rings);
         charges.sort_unstable();
     }
@@ -276,9 +276,10 @@ fn ions_of_rings(
             3 => 1,
             _ => continue,
         };
-        if !charges.iter().any(|&(atom, _)| atom as usize == ion) {
-            charges.push((ion as u32, charge));
-        }
+        charges.push((ion as u32, charge));
     }
+    // An atom of several such rings: the first, as they are sorted by size.
+    charges.sort_by_key(|&(atom, _)| atom);
+    charges.dedup_by_key(|&mut (atom, _)| atom);
     charges
 }

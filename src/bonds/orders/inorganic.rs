@@ -17,16 +17,15 @@ const PYRAMID: f32 = 0.25;
 /// Longest double bond in ozone (1.278 Å) and ozonides (1.35 Å; Klein et al., Z. Anorg. Allg. Chem. 1999, 625), single ones
 /// have 1.46 Å. Chosen between.
 const LONGEST_IN_OZONE: f32 = 1.40;
-/// Atoms beyond which a molecule is not searched for carbon: chosen, as large as polyphosphates come.
-const MOST_ATOMS: usize = 256;
 
 /// The bonds that the rules settle, with their orders. `is_open` says of which bonds the order is not known.
 pub(super) fn find(graph: &Graph<'_>, is_open: &[bool]) -> Vec<(u32, u8)> {
     let mut found = Vec::new();
+    let mut molecules = Molecules::default();
     for atom in 0..graph.atom_count() {
         let around = graph.around(atom);
         let may_be = around.len() >= 2 && is_center(graph.elements[atom]);
-        if !may_be || !around.iter().any(|&next| is_end(graph, next)) || !is_without_carbon(graph, atom) {
+        if !may_be || !around.iter().any(|&next| is_end(graph, next)) || molecules.has_carbon(graph, atom) {
             continue;
         }
         if around.iter().any(|next| !is_open[next.bond as usize]) {
@@ -92,20 +91,24 @@ fn extra_pairs(graph: &Graph<'_>, atom: usize, shortest: f32) -> usize {
     pairs.saturating_sub(2 * lone + bonds)
 }
 
-/// Whether nothing that an atom is connected with is carbon.
-fn is_without_carbon(graph: &Graph<'_>, atom: usize) -> bool {
-    let mut atoms = vec![atom as u32];
-    let mut at = 0;
-    while let Some(&atom) = atoms.get(at) {
-        if graph.elements[atom as usize] == Element::C {
-            return false;
-        }
-        at += 1;
-        for next in graph.around(atom as usize) {
-            if atoms.len() < MOST_ATOMS && !atoms.contains(&next.atom) {
-                atoms.push(next.atom);
+/// Which of the molecules that were asked for have carbon; each is walked once.
+#[derive(Default)]
+struct Molecules {
+    is_seen: Vec<bool>,
+    has_carbon: Vec<bool>,
+}
+
+impl Molecules {
+    fn has_carbon(&mut self, graph: &Graph<'_>, atom: usize) -> bool {
+        self.is_seen.resize(graph.atom_count(), false);
+        self.has_carbon.resize(graph.atom_count(), false);
+        if !self.is_seen[atom] {
+            let atoms = super::connected(graph, atom, &mut self.is_seen);
+            let has_carbon = atoms.iter().any(|&atom| graph.elements[atom as usize] == Element::C);
+            for atom in atoms {
+                self.has_carbon[atom as usize] = has_carbon;
             }
         }
+        self.has_carbon[atom]
     }
-    true
 }

@@ -74,6 +74,10 @@ pub(super) fn most_extra(element: Element, degree: usize, taken: usize, in_flat_
     if degree > MOST_NEIGHBOURS { 0 } else { most as u8 }
 }
 
+/// Cost of a carbon without a double bond that a metal holds by its neighbours, too. Chosen so that cyclopentadienyl has one
+/// and two double bonds, not five: ferrocene's lengths (1.43 Å) alone would leave all single.
+const PI_CARBANION: f32 = 5.0;
+
 /// Cost and charge of an atom by the electron pairs it shares; `None` where it cannot be. Costs are in units of a
 /// log-likelihood: 7 is a case in a thousand. `hydrogens` is `None` where they are not known: then free valences hold
 /// hydrogens.
@@ -91,7 +95,8 @@ pub(super) fn cost(
     Some(match (element.z(), valence) {
         (6 | 14 | 32, 4) => (0.0, 0),
         (6, 3) if bonds == 1 => free(given(5.0), -1), // isocyanide, carbon monoxide
-        (6, 3) => free(given(9.0), if bonds == 3 && !has_metals { 1 } else { -1 }),
+        // Beside a metal one of a ring or chain that it holds; all others there have double bonds.
+        (6, 3) => free(if has_metals { PI_CARBANION } else { 9.0 }, if bonds == 3 && !has_metals { 1 } else { -1 }),
         (6 | 14 | 32, 0..=3) => free(given(14.0), 0),
         (7, 3) => (0.0, 0),
         (7, 4) => (if known { 2.0 } else { 4.0 }, 1),

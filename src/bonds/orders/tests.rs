@@ -270,11 +270,14 @@ fn carbon_dioxide_and_dinitrogen_need_no_hydrogens() {
 fn cyclopentadienide_on_a_metal_is_aromatic() {
     let mut sites: Vec<Site> = vec![("Fe", [0.0; 3])];
     for height in [1.66, -1.66] {
-        sites.extend(ring(&["C"; 5], 1.21).into_iter().map(|(symbol, [x, y, _])| (symbol, [x, y, height])));
+        sites.extend(ring(&["C"; 5], 1.2165).into_iter().map(|(symbol, [x, y, _])| (symbol, [x, y, height])));
         sites.extend(ring(&["H"; 5], 2.29).into_iter().map(|(symbol, [x, y, _])| (symbol, [x, y, height])));
     }
     assert_eq!(multiple(&structure(&sites)), ["C~C"; 10]);
     assert_eq!(charges_of(&sites), ["C-1", "C-1"]);
+    // At 1.43 Å, between single and double, there are still two double bonds a ring.
+    let bonds = find(&structure(&sites), 0, &BondOptions::default());
+    assert_eq!(bonds.iter().filter(|bond| bond.order == BondOrder::Double).count(), 4);
 }
 
 #[test]
