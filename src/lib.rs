@@ -72,7 +72,9 @@
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
 //! - A truncated single-frame XYZ file is refused, not shown in part.
 //! - Symmetry is applied where the file lists its operations (CIF of small molecules), not from the name of the space group; a protein
-//!   crystal is drawn as listed. Hydrogen bonds do not cross cell faces.
+//!   crystal is drawn as listed.
+//! - Formal charges of metals are not told, nor those of acids and amines whose hydrogens a file leaves out. Nitrides and carbenes on
+//!   metals have single bonds or dashes.
 //! - Dative bonds do not keep which atom gives the pair.
 
 #[cfg(feature = "window")]

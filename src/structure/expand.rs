@@ -1,7 +1,7 @@
 //! Symmetry: the content of a whole cell from the asymmetric unit that a file lists.
 
+use super::{Cell, Structure, SymmetryOperation, atom_flags};
 use crate::error::{Error, Result};
-use crate::structure::{Cell, Structure, SymmetryOperation, atom_flags};
 use glam::DVec3;
 
 /// Images of one atom nearer than this are one atom on a special position, ångström. Coordinates are good to 0.01 Å;
@@ -16,7 +16,7 @@ const OVERLAP: f64 = 0.95;
 ///
 /// # Errors
 /// [`Error::Limit`] if that would be more than `most_atoms`.
-pub(super) fn apply_symmetry(structure: Structure, most_atoms: usize) -> Result<(Structure, Option<Vec<u32>>)> {
+pub(crate) fn apply_symmetry(structure: Structure, most_atoms: usize) -> Result<(Structure, Option<Vec<u32>>)> {
     let operations = structure.symmetry().map_or(&[][..], |symmetry| &symmetry.operations);
     let Some(&cell) = structure.cell().filter(|_| operations.len() > 1) else { return Ok((structure, None)) };
     if structure.atom_count().saturating_mul(operations.len()) > most_atoms {
