@@ -20,7 +20,9 @@ const FAR_END_EXCESS: f32 = 0.15;
 /// Metal–metal bonds under two or more bridges of nonmetals are shorter than the radii by this factor. With: W₂Cl₉³⁻ 0.74,
 /// Fe₂(CO)₉ 0.83, Mo₆Cl₈⁴⁺ 0.84. Without: Fe₂S₂ 0.89, rutile 0.93, wüstite and MgO 1.0.
 const BRIDGED_RATIO: f32 = 0.85;
-/// Under one bridge: gold under thiolates (2.9–3.0 Å, excess up to 0.3 Å) is bonded, metals in a row of Fe–O–Fe are not.
+/// Under one bridge. Chosen: metals in a row of M–O–M are not bonded (in rutile, titanium
+/// at the shared corners of octahedra is 3.57 Å apart, 0.37 Å over the radii). Coinage metals under one heavy donor, sulfur or a halogen, are bonded as far as without
+/// it ([`rules`]): in thiolate-covered gold such pairs are as near as the bare ones beside them (both 3.0 to 3.15 Å).
 const BRIDGED_ONCE_EXCESS: f32 = 0.3;
 
 /// Drops what is no bond of a metal.
@@ -95,9 +97,15 @@ fn is_donor(
 fn is_bridged_apart(contacts: &Contacts, elements: &[Element], contact: &Contact) -> bool {
     let radii = rules::radii(elements[contact.a as usize], elements[contact.b as usize]);
     let is_bridge = |&(atom, _): &(usize, f32)| !elements[atom].is_metal() && elements[atom] != Element::H;
-    match contacts.common(*contact).filter(is_bridge).count() {
-        0 => false,
-        1 => contact.excess > BRIDGED_ONCE_EXCESS,
+    let mut bridges = contacts.common(*contact).filter(is_bridge);
+    match (bridges.next(), bridges.next()) {
+        (None, _) => false,
+        (Some((bridge, _)), None) => {
+            let are_coinage = [contact.a, contact.b].iter().all(|&atom| elements[atom as usize].group() == 11);
+            // From sodium on: the second period ends with neon.
+            let is_heavy = elements[bridge].z() > 10;
+            contact.excess > BRIDGED_ONCE_EXCESS && !(are_coinage && is_heavy)
+        }
         _ => contact.excess > (BRIDGED_RATIO - 1.0) * radii,
     }
 }

@@ -54,7 +54,7 @@ mod tests;
 pub use explain::{Explained, NotBonded, explain, not_bonded};
 pub use orders::aromatic_rings;
 
-use crate::structure::{Bond, BondKind, BondOrder, StatedBonds, Structure, apply_symmetry};
+use crate::structure::{Bond, BondKind, BondOrder, BondSource, StatedBonds, Structure, apply_symmetry};
 use glam::Vec3;
 use residues::Known;
 
@@ -279,13 +279,16 @@ fn settle(stated: Vec<Bond>, inside: Vec<Bond>, links: Vec<Bond>, known: &mut Kn
 }
 
 /// One bond that the file states and the dictionary describes. A CONECT record that is there once, and LINK, say that there
-/// is a bond and nothing more.
+/// is a bond and nothing more; a row of `_struct_conn` also says of which kind.
 fn united(stated: Bond, described: Bond) -> Bond {
     let untold = stated.order <= BondOrder::Single && !stated.aromatic;
-    if untold {
-        return Bond { source: stated.source, ..described };
+    if !untold {
+        return Bond { aromatic: described.aromatic, ..stated };
     }
-    Bond { aromatic: described.aromatic, ..stated }
+    if stated.source == BondSource::Link && stated.kind != described.kind {
+        return stated;
+    }
+    Bond { source: stated.source, ..described }
 }
 
 /// Both sorted lists as one. They have no pair in common.
@@ -303,12 +306,17 @@ fn merge(one: Vec<Bond>, other: Vec<Bond>) -> Vec<Bond> {
 }
 
 /// CONECT and LINK say that there is a bond but not of which kind: between a metal and a donor it is coordination, as
-/// everywhere else. The order stays the file's.
+/// everywhere else; the order stays the file's. A row of `_struct_conn` that calls it covalent and gives its order is told,
+/// one that gives none is not.
 fn with_kind(bond: Bond, structure: &Structure) -> Bond {
     let element = |atom: u32| structure.elements().get(atom as usize).copied().unwrap_or_default();
-    let untold = bond.kind == BondKind::Covalent && bond.order <= BondOrder::Single && !bond.aromatic;
-    if untold && metal::is_coordination(element(bond.a), element(bond.b)) {
+    let is_link = bond.source == BondSource::Link;
+    let longest_untold = if is_link { BondOrder::Unknown } else { BondOrder::Single };
+    if bond.kind != BondKind::Covalent || bond.order > longest_untold || bond.aromatic {
+        return bond;
+    }
+    if metal::is_coordination(element(bond.a), element(bond.b)) {
         return Bond { kind: BondKind::Coordination, ..bond };
     }
-    bond
+    if is_link { Bond { order: BondOrder::Single, ..bond } } else { bond }
 }

@@ -25,8 +25,8 @@ const LONGEST_EXCESS: f32 = 1.2;
 const DOUBTFUL_EXCESS: f32 = 0.75;
 /// The same for bonds of hydrogen: as for distances. A hydrogen that has the name of another then goes to its nearest.
 const LONGEST_HYDROGEN_EXCESS: f32 = 0.45;
-/// The same for metals: Harding (Acta Cryst. D 2004, 60, 849) counts donors up to 0.75 Å beyond the usual length,
-/// which is itself up to 0.3 Å beyond the radii (axial Cu–O).
+/// The same for metals. Chosen: usual lengths are up to 0.3 Å beyond the radii (the axial water of copper), and a donor that
+/// the dictionary names stays one in a rough model, 0.75 Å further away.
 const LONGEST_METAL_EXCESS: f32 = 1.05;
 
 /// A bond inside a residue, by the places of its atoms in it.
