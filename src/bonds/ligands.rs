@@ -27,7 +27,7 @@
 use super::metal;
 use super::sites::{Role, Sites};
 use crate::element::Element;
-use crate::structure::{Bond, BondKind, BondOrder, Cell, Structure};
+use crate::structure::{Bond, BondKind, BondOrder, BondSource, Cell, Structure};
 use glam::Vec3;
 use std::collections::HashMap;
 
@@ -114,10 +114,15 @@ pub(super) fn settle(
 ) {
     let elements = structure.elements();
     let at = |atom: u32| elements.get(atom as usize).copied().unwrap_or_default();
-    // An untold bond has no order worth the name; hydrogen and p-block metals are settled.
+    // An untold bond has no order worth the name; hydrogen and p-block metals are settled. A link tells its kind, or that it is
+    // covalent by its order.
     let is_untold = |bond: &Bond| {
+        let is_told = match bond.source {
+            BondSource::Link => bond.kind == BondKind::Coordination || bond.order > BondOrder::Unknown,
+            _ => bond.order > BondOrder::Single,
+        };
         matches!(bond.kind, BondKind::Covalent | BondKind::Coordination)
-            && bond.order <= BondOrder::Single
+            && !is_told
             && !bond.aromatic
             && metal::is_coordination(at(bond.a), at(bond.b))
     };
@@ -164,9 +169,7 @@ pub(super) fn settle(
                 || at(other) == Element::C && is_sigma_carbon(&around, &at, metal, other));
         let bond = &mut bonds[index as usize];
         bond.kind = if is_shared { BondKind::Covalent } else { BondKind::Coordination };
-        if is_shared {
-            bond.order = BondOrder::Single;
-        }
+        bond.order = if is_shared { BondOrder::Single } else { bond.order };
         if is_shared && is_oxide {
             oxides.push((metal, length, index));
         }
@@ -229,7 +232,7 @@ fn double_count(bonds: &[Bond], around: &Around, at: &impl Fn(u32) -> Element, m
 mod tests {
     use super::super::{BondOptions, find};
     use super::*;
-    use crate::structure::{AtomRecord, BondSource, Diagnostics, StatedBonds, StructureBuilder};
+    use crate::structure::{AtomRecord, Diagnostics, StatedBonds, StructureBuilder};
     use glam::DVec3;
 
     type Site = (&'static str, [f64; 3]);

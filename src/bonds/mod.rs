@@ -316,7 +316,8 @@ fn with_kind(bond: Bond, structure: &Structure) -> Bond {
         return bond;
     }
     if metal::is_coordination(element(bond.a), element(bond.b)) {
-        return Bond { kind: BondKind::Coordination, ..bond };
+        // A link stays without an order, by which `ligands` sees that it is not told.
+        return if is_link { bond } else { Bond { kind: BondKind::Coordination, ..bond } };
     }
     if is_link { Bond { order: BondOrder::Single, ..bond } } else { bond }
 }

@@ -128,7 +128,7 @@ pub(super) mod encode {
                     out.push(number as u8);
                     number >>= 8;
                 }
-                number = (number / frequency << SCALE_BITS) + number % frequency + before;
+                number = ((number / frequency) << SCALE_BITS) + number % frequency + before;
             }
             out.extend(number.to_le_bytes());
             out.reverse();

@@ -166,6 +166,9 @@ const LONGER_THAN_SINGLE: f32 = 0.18;
 /// How much shorter than double a bond may be that is not triple, where the atom has two extra pairs: 3 times the error of
 /// a length. A bond as short as a triple one beside another is a badly placed atom (PDB entry 4HHB).
 const SHORTER_THAN_DOUBLE: f32 = 0.12;
+/// C=O beside another double bond, in ångström: in carbon dioxide 1.160 (Herzberg, Electronic Spectra of Polyatomic Molecules,
+/// 1966), isocyanates and ketenes 1.16–1.17, for 1.24 by the radii.
+const CUMULATED_C_O: f32 = 1.16;
 
 /// Which extra pairs geometry allows an atom of carbon or nitrogen with two neighbours.
 #[derive(Clone, Copy)]
@@ -190,8 +193,12 @@ impl Linear {
         let is_long = |slot: usize| vectors[slot].length() > single[slot] + LONGER_THAN_SINGLE;
         // In azides both bonds between nitrogens are as short as triple ones (1.13 and 1.24 Å).
         let has_carbon = |next: Neighbour| element == Element::C || graph.elements[next.atom as usize] == Element::C;
-        let is_short =
-            |slot: usize| has_carbon([one, other][slot]) && vectors[slot].length() < double[slot] - SHORTER_THAN_DOUBLE;
+        let is_short = |slot: usize| {
+            let next = [one, other][slot];
+            let has_oxygen = graph.elements[next.atom as usize] == Element::O;
+            let usual = if has_oxygen { CUMULATED_C_O } else { double[slot] };
+            has_carbon(next) && vectors[slot].length() < usual - SHORTER_THAN_DOUBLE
+        };
         let is_bent = vectors[0].angle_between(vectors[1]).to_degrees() < LINEAR_DEG;
         Linear { may_be: !is_bent && !is_long(0) && !is_long(1), is_short: [is_short(0), is_short(1)] }
     }

@@ -235,11 +235,13 @@ fn resolve_links(
                 format!("the bond is left out: there is no atom {atom}")
             });
         }
-        let order = BondOrder::Single;
         for &a in &from {
             for &b in &to {
                 let [one, other] = [a, b].map(|atom| structure.altloc(atom as usize));
                 if one == other || one == b' ' || other == b' ' {
+                    // LINK says neither order nor kind; to a metal it may be of another than covalent.
+                    let has_metal = [a, b].iter().any(|&atom| structure.elements()[atom as usize].is_metal());
+                    let order = if has_metal { BondOrder::Unknown } else { BondOrder::Single };
                     bonds.push(Bond::new(a, b, order, BondSource::Link));
                 }
             }
