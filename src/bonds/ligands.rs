@@ -1,5 +1,6 @@
 //! Which bonds of metals are sticks and which are dashes, and the double bonds of oxides: one rule for all sources that
-//! do not say it themselves (distance, CONECT, LINK, the dictionary's single bonds).
+//! do not say it themselves (distance, CONECT, the dictionary's single bonds). A LINK of a metal is what mmCIF calls
+//! `metalc`, and stays coordination.
 //!
 //! # The rule
 //!

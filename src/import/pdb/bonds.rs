@@ -239,10 +239,7 @@ fn resolve_links(
             for &b in &to {
                 let [one, other] = [a, b].map(|atom| structure.altloc(atom as usize));
                 if one == other || one == b' ' || other == b' ' {
-                    // LINK says neither order nor kind; to a metal it may be of another than covalent.
-                    let has_metal = [a, b].iter().any(|&atom| structure.elements()[atom as usize].is_metal());
-                    let order = if has_metal { BondOrder::Unknown } else { BondOrder::Single };
-                    bonds.push(Bond::new(a, b, order, BondSource::Link));
+                    bonds.push(Bond::new(a, b, BondOrder::Single, BondSource::Link));
                 }
             }
         }
