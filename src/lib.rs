@@ -71,8 +71,11 @@
 //! - No ambient occlusion (`--ao`) or cast shadows on the molecule itself yet; outlines and labels are missing.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
 //! - A truncated single-frame XYZ file is refused, not shown in part.
-//! - Symmetry is applied where the file lists its operations (CIF of small molecules), not from the name of the space group; a protein
-//!   crystal is drawn as listed. Hydrogen bonds do not cross cell faces.
+//! - Symmetry is applied where the file lists its operations (CIF of small molecules, REMARK 290 of PDB), not from the name of the
+//!   space group, which is all that mmCIF files of proteins give. A protein is drawn as listed unless `--cell full` asks for the
+//!   crystal.
+//! - Formal charges of metals are not told, nor those of acids and amines whose hydrogens a file leaves out. Nitrides and carbenes on
+//!   metals have single bonds or dashes.
 //! - Dative bonds do not keep which atom gives the pair.
 
 #[cfg(feature = "window")]

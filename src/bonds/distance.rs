@@ -94,16 +94,20 @@ fn is_open(structure: &Structure, known: &Known, [a, b]: [usize; 2], excess: f32
 
 /// The open contacts that are left, as bonds.
 fn bonds(contacts: &Contacts, elements: &[Element], sites: &Sites<'_>) -> Vec<Bond> {
-    let is_ion = |atom: u32| sites.role(atom as usize) == Role::Ion && !elements[atom as usize].is_metal();
     let mut bonds = Vec::with_capacity(contacts.list().len());
     for atom in 0..contacts.atom_count() {
         let first = bonds.len();
         let open = contacts.of(atom).filter(|&(_, contact, other)| contact.state == State::Open && other > atom);
         for (_, contact, _) in open {
-            let kind = if is_ion(contact.a) || is_ion(contact.b) {
-                BondKind::Coordination
-            } else {
-                metal::kind(contacts, elements, sites, contact)
+            let [one, other] = [contact.a, contact.b].map(|atom| elements[atom as usize]);
+            let is_of_ion = |atom: u32| sites.role(atom as usize) == Role::Ion;
+            let is_donation = one.is_metal() != other.is_metal() && one != Element::H && other != Element::H;
+            // What of it shares a pair after all, is found when all bonds are known.
+            let kind = match is_donation && (is_of_ion(contact.a) || is_of_ion(contact.b))
+                || metal::is_coordination(one, other)
+            {
+                true => BondKind::Coordination,
+                false => BondKind::Covalent,
             };
             let order = if kind == BondKind::Coordination { BondOrder::Unknown } else { BondOrder::Single };
             bonds.push(Bond { kind, ..Bond::new(contact.a, contact.b, order, BondSource::Distance) });

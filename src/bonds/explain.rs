@@ -6,7 +6,7 @@ use super::rules::{self, PairTable};
 use super::sites::{Role, Sites};
 use super::{BondMode, BondOptions, find_all, hbonds, links};
 use crate::element::Element;
-use crate::structure::{Bond, BondKind, BondOrder, BondSource, StatedBonds, Structure, atom_flags};
+use crate::structure::{Bond, BondKind, BondOrder, BondSource, Cell, StatedBonds, Structure, atom_flags};
 use glam::Vec3;
 use std::collections::HashMap;
 
@@ -41,25 +41,18 @@ pub fn explain(structure: &Structure, frame: usize, options: &BondOptions) -> Ve
     let Some(frame) = structure.frames().get(frame) else { return Vec::new() };
     let positions = frame.positions.relative();
     let own: HashMap<_, &Bond> = structure.bonds().iter().map(|bond| (bond.key(), bond)).collect();
-    // The atom that each hydrogen is on, for the angles of hydrogen bonds.
+    // The way from each hydrogen to the atom that it is on, for the angles of hydrogen bonds.
     let mut donors = HashMap::new();
     for bond in bonds.iter().filter(|bond| options.hydrogen_bonds && bond.kind != BondKind::Hydrogen) {
-        for (atom, other) in [(bond.a, bond.b), (bond.b, bond.a)] {
+        for atom in [bond.a, bond.b] {
             if structure.elements()[atom as usize] == Element::H {
-                donors.insert(atom, other);
+                donors.insert(atom, way(positions, frame.cell.as_ref(), bond, atom));
             }
         }
     }
-    let context = Context { structure, positions, known: &known, options, donors };
-    let vectors = frame.cell.as_ref().map(|cell| cell.vectors());
+    let context = Context { structure, positions, cell: frame.cell.as_ref(), known: &known, options, donors };
     let explained = |bond: &Bond| {
-        let mut apart = positions[bond.b as usize] - positions[bond.a as usize];
-        if let Some(vectors) = vectors.filter(|_| bond.is_periodic()) {
-            for (vector, count) in vectors.into_iter().zip(bond.image) {
-                apart += (vector * f64::from(count)).as_vec3();
-            }
-        }
-        let length = apart.length();
+        let length = way(positions, frame.cell.as_ref(), bond, bond.a).length();
         let stated = own.get(&bond.key()).copied();
         let reason = reason(&context, bond, stated, length);
         Explained { bond: *bond, length, reason }
@@ -67,17 +60,29 @@ pub fn explain(structure: &Structure, frame: usize, options: &BondOptions) -> Ve
     bonds.iter().map(explained).collect()
 }
 
+/// From one atom of a bond to the other, an image where the bond goes to one.
+fn way(positions: &[Vec3], cell: Option<&Cell>, bond: &Bond, from: u32) -> Vec3 {
+    let mut apart = positions[bond.b as usize] - positions[bond.a as usize];
+    if let Some(cell) = cell.filter(|_| bond.is_periodic()) {
+        for (vector, count) in cell.vectors().into_iter().zip(bond.image) {
+            apart += (vector * f64::from(count)).as_vec3();
+        }
+    }
+    if from == bond.a { apart } else { -apart }
+}
+
 /// What reasons are made of.
 struct Context<'a> {
     structure: &'a Structure,
     positions: &'a [Vec3],
+    cell: Option<&'a Cell>,
     known: &'a Known,
     options: &'a BondOptions,
-    donors: HashMap<u32, u32>,
+    donors: HashMap<u32, Vec3>,
 }
 
 fn reason(context: &Context<'_>, bond: &Bond, stated: Option<&Bond>, length: f32) -> String {
-    let Context { structure, positions, known, options, donors } = context;
+    let Context { structure, positions, cell, known, options, donors } = context;
     let residue = structure.residue_index(bond.a as usize);
     let inside = residue.filter(|_| residue == structure.residue_index(bond.b as usize));
     let component = inside.and_then(|residue| known.component(residue));
@@ -106,10 +111,12 @@ fn reason(context: &Context<'_>, bond: &Bond, stated: Option<&Bond>, length: f32
             links::Link::Phosphodiester => "dictionary: phosphodiester link".to_owned(),
         },
         BondSource::Distance if bond.kind == BondKind::Hydrogen => {
-            match hbonds::angle_deg(structure, positions, donors, bond) {
-                Some((donor, angle)) => {
-                    let acceptor = if structure.elements()[bond.a as usize] == Element::H { bond.b } else { bond.a };
-                    let apart = positions[donor as usize].distance(positions[acceptor as usize]);
+            let is_hydrogen = |atom: &u32| structure.elements().get(*atom as usize) == Some(&Element::H);
+            let hydrogen = [bond.a, bond.b].into_iter().find(is_hydrogen);
+            match hydrogen.and_then(|atom| Some((*donors.get(&atom)?, way(positions, *cell, bond, atom)))) {
+                Some((to_donor, to_acceptor)) => {
+                    let apart = to_donor.distance(to_acceptor);
+                    let angle = hbonds::angle_deg(to_donor, to_acceptor);
                     format!("hydrogen bond: D···A {apart:.2} Å ≤ 3.5, D–H···A {angle:.0}° ≥ 120°")
                 }
                 None => format!("hydrogen bond: D···A {length:.2} Å ≤ 3.5, no hydrogens in the model"),

@@ -11,7 +11,8 @@
 //! Eur. J. 1997, 3, 89 (fluorine on carbon hardly ever accepts).
 //!
 //! Limits: a residue has all its hydrogens or none; carboxylates and phosphates without hydrogens count as ionised,
-//! amines at the end of a chain as ammonium; bonds through periodic boundaries are not found.
+//! amines at the end of a chain as ammonium. Images across the faces of a cell are the
+//! caller's (`periodic`).
 
 use super::contacts::OrderedF32;
 use super::grid::Grid;
@@ -20,10 +21,9 @@ use super::sites::Sites;
 use crate::element::Element;
 use crate::structure::{Bond, BondKind, BondOrder, BondSource, Structure, atom_flags};
 use glam::Vec3;
-use std::collections::HashMap;
 
 /// Longest distance between donor and acceptor in ångström.
-const LONGEST: f32 = 3.5;
+pub(super) const LONGEST: f32 = 3.5;
 /// The shortest: F–H–F⁻, the strongest of all, has 2.26 Å (Emsley, Chem. Soc. Rev. 1980, 9, 91). Nearer than that stand
 /// atoms of one group.
 const SHORTEST: f32 = 2.2;
@@ -166,20 +166,9 @@ fn opens(atom: usize, partner: usize, positions: &[Vec3], neighbours: &Neighbour
     heavy.all(|other| cosine(positions[other], positions[atom], positions[partner]) <= 0.0)
 }
 
-/// The donor and the angle D–H···A in degrees of a hydrogen bond that begins at a hydrogen; `donors` has the atom that
-/// each hydrogen is on.
-pub(super) fn angle_deg(
-    structure: &Structure,
-    positions: &[Vec3],
-    donors: &HashMap<u32, u32>,
-    bond: &Bond,
-) -> Option<(u32, f32)> {
-    let is_hydrogen = |atom: u32| structure.elements().get(atom as usize) == Some(&Element::H);
-    let hydrogen = [bond.a, bond.b].into_iter().find(|&atom| is_hydrogen(atom))?;
-    let acceptor = if hydrogen == bond.a { bond.b } else { bond.a };
-    let donor = *donors.get(&hydrogen)?;
-    let [d, h, a] = [donor, hydrogen, acceptor].map(|atom| positions.get(atom as usize).copied());
-    Some((donor, cosine(d?, h?, a?).clamp(-1.0, 1.0).acos().to_degrees()))
+/// The angle in degrees at a hydrogen between its donor and the acceptor, these as seen from the hydrogen.
+pub(super) fn angle_deg(to_donor: Vec3, to_acceptor: Vec3) -> f32 {
+    cosine(to_donor, Vec3::ZERO, to_acceptor).clamp(-1.0, 1.0).acos().to_degrees()
 }
 
 /// What every atom can do.

@@ -14,10 +14,11 @@ use crate::structure::{Bond, BondOrder, BondSource, NameId, Structure};
 use glam::Vec3;
 use std::ops::Range;
 
-/// Longest C–N in ångström: one and a half times the usual 1.341 Å (Engh and Huber, Acta Cryst. A 1991, 47, 392), as
-/// in gemmi. The next nearest atoms of two residues in sequence, C and CA, are 2.4 Å apart.
+/// Longest C–N in ångström: one and a half times 1.341 Å, as in gemmi (`polyheur.hpp`); 1.33 to 1.34 Å is usual. The next
+/// nearest atoms of two residues in sequence, C and CA, are 2.4 Å apart.
 const LONGEST_PEPTIDE: f32 = 2.01;
-/// Longest O3'–P: one and a half times the usual 1.607 Å (Gelbin et al., J. Am. Chem. Soc. 1996, 118, 519).
+/// Longest O3'–P: one and a half times the usual 1.607 Å (Gelbin et al., J. Am. Chem. Soc. 1996, 118, 519; the Nucleic Acid
+/// Database's table of the phosphodiester linkage).
 const LONGEST_PHOSPHODIESTER: f32 = 2.41;
 
 /// The two kinds of links.

@@ -1,19 +1,15 @@
-//! Metals: which contacts are bonds, and which of these are coordination.
+//! Metals: which contacts are bonds.
 //!
 //! A metal bonds to every donor in range, that is to every nonmetal that has electrons left to give and is not merely
 //! the far end of a better donor (the carbon of a carboxylate). An ion, which is a residue of its own, floats unless it
 //! has three donors. Metals bond to metals by distance, but not across the bridges of oxides, sulfides and salts.
 //!
-//! Contacts of d-, f- and s-block metals with donors are [`BondKind::Coordination`] without an order; in rock salt, too:
-//! these sticks show the lattice and six neighbours, not electron pairs. Covalent are metal–metal and metal–hydrogen
-//! sticks, those of p-block metals that are no ions (tetramethyltin, AlCl₃), terminal oxides of high-valent metals
-//! (permanganate, uranyl), and two-coordinate zinc, cadmium and mercury (HgCl₂, dimethylzinc).
+//! Which of these bonds are covalent and which coordination, [`super::ligands`] says.
 
 use super::contacts::{Contact, Contacts, State};
 use super::rules;
 use super::sites::{Role, Sites};
 use crate::element::Element;
-use crate::structure::BondKind;
 
 /// Donors that an ion needs to bond at all: fewer are chance contacts of a crystal or a simulation.
 const FEWEST_DONORS_OF_ION: usize = 3;
@@ -24,10 +20,10 @@ const FAR_END_EXCESS: f32 = 0.15;
 /// Metal–metal bonds under two or more bridges of nonmetals are shorter than the radii by this factor. With: W₂Cl₉³⁻ 0.74,
 /// Fe₂(CO)₉ 0.83, Mo₆Cl₈⁴⁺ 0.84. Without: Fe₂S₂ 0.89, rutile 0.93, wüstite and MgO 1.0.
 const BRIDGED_RATIO: f32 = 0.85;
-/// Under one bridge: gold under thiolates (2.9–3.0 Å, excess up to 0.3 Å) is bonded, metals in a row of Fe–O–Fe are not.
+/// Under one bridge. Chosen: metals in a row of M–O–M are not bonded (in rutile, titanium
+/// at the shared corners of octahedra is 3.57 Å apart, 0.37 Å over the radii). Coinage metals under one heavy donor, sulfur or a halogen, are bonded as far as without
+/// it ([`rules`]): in thiolate-covered gold such pairs are as near as the bare ones beside them (both 3.0 to 3.15 Å).
 const BRIDGED_ONCE_EXCESS: f32 = 0.3;
-/// Terminal oxides are shorter than the radii by at least this much: OsO₄ 0.39 Å, MnO₄⁻ 0.66 Å; hydroxide on iron 0.28 Å.
-const TERMINAL_OXIDE_EXCESS: f32 = -0.35;
 
 /// Drops what is no bond of a metal.
 pub(super) fn settle(contacts: &mut Contacts, elements: &[Element], sites: &Sites<'_>) {
@@ -101,9 +97,15 @@ fn is_donor(
 fn is_bridged_apart(contacts: &Contacts, elements: &[Element], contact: &Contact) -> bool {
     let radii = rules::radii(elements[contact.a as usize], elements[contact.b as usize]);
     let is_bridge = |&(atom, _): &(usize, f32)| !elements[atom].is_metal() && elements[atom] != Element::H;
-    match contacts.common(*contact).filter(is_bridge).count() {
-        0 => false,
-        1 => contact.excess > BRIDGED_ONCE_EXCESS,
+    let mut bridges = contacts.common(*contact).filter(is_bridge);
+    match (bridges.next(), bridges.next()) {
+        (None, _) => false,
+        (Some((bridge, _)), None) => {
+            let are_coinage = [contact.a, contact.b].iter().all(|&atom| elements[atom as usize].group() == 11);
+            // From sodium on: the second period ends with neon.
+            let is_heavy = elements[bridge].z() > 10;
+            contact.excess > BRIDGED_ONCE_EXCESS && !(are_coinage && is_heavy)
+        }
         _ => contact.excess > (BRIDGED_RATIO - 1.0) * radii,
     }
 }
@@ -112,26 +114,4 @@ fn is_bridged_apart(contacts: &Contacts, elements: &[Element], contact: &Contact
 pub(super) fn is_coordination(a: Element, b: Element) -> bool {
     let (metal, other) = if a.is_metal() { (a, b) } else { (b, a) };
     metal.is_metal() && !other.is_metal() && other != Element::H && !matches!(metal.group(), 13..=16)
-}
-
-/// The kind of an inferred bond.
-pub(super) fn kind(contacts: &Contacts, elements: &[Element], sites: &Sites<'_>, contact: &Contact) -> BondKind {
-    let (a, b) = (contact.a as usize, contact.b as usize);
-    if !elements[a].is_metal() && !elements[b].is_metal() {
-        return BondKind::Covalent;
-    }
-    let (metal, other) = if elements[a].is_metal() { (a, b) } else { (b, a) };
-    if sites.role(metal) == Role::Ion && !elements[other].is_metal() && elements[other] != Element::H {
-        return BondKind::Coordination;
-    }
-    let is_terminal_oxide = elements[other] == Element::O
-        && matches!(elements[metal].group(), 0 | 4..=11)
-        && contact.excess <= TERMINAL_OXIDE_EXCESS
-        && contacts.of(other).count() == 1;
-    let is_linear = elements[metal].group() == 12 && contacts.of(metal).count() <= 2;
-    if !is_coordination(elements[a], elements[b]) || is_terminal_oxide || is_linear {
-        BondKind::Covalent
-    } else {
-        BondKind::Coordination
-    }
 }

@@ -12,8 +12,8 @@
 //!    lacks only hydrogens none but close ones;
 //! 4. hydrogen bonds ([`hbonds`]), if asked for, among the atoms with all these bonds.
 //!
-//! Bonds of metals to donors are [`BondKind::Coordination`] without an order, whoever names them, but for the double bonds
-//! of terminal oxides and the like.
+//! Bonds of metals to donors are [`BondKind::Coordination`] without an order, whoever names them; those to ligands that bring
+//! one electron (alkyls, terminal halogens, oxides) are covalent (`ligands`).
 //!
 //! Orders and aromaticity of what no residue knows are a further step after these (`orders`): distances give single bonds
 //! ([`BondOrder::Single`]) and coordination without an order ([`BondOrder::Unknown`]).
@@ -24,7 +24,9 @@
 //! The result is the same for every order of the atoms, up to ties, which the lower index wins, and for every
 //! number of threads.
 //!
-//! Where a frame has a unit cell by which its atoms repeat, bonds go across its faces (`periodic`).
+//! Where a frame has a unit cell by which its atoms repeat, bonds go across its faces (`periodic`). Where a file lists an
+//! asymmetric unit with its symmetry operations, bonds, orders and charges are found in the content of the whole cell, and
+//! those among the listed atoms are given: silicon of quartz has four oxygens, listed or not.
 //!
 //! Limits: distances are taken in f32 about the structure's origin (an error of 0.001 Å at 10,000 Å from it);
 //! atoms piled up beyond any physical density (`grid`) get no inferred bonds.
@@ -36,6 +38,7 @@ mod explain;
 mod grid;
 mod hbonds;
 mod hydrogen;
+mod ligands;
 mod links;
 mod metal;
 mod orders;
@@ -51,7 +54,7 @@ mod tests;
 pub use explain::{Explained, NotBonded, explain, not_bonded};
 pub use orders::aromatic_rings;
 
-use crate::structure::{Bond, BondKind, BondOrder, StatedBonds, Structure};
+use crate::structure::{Bond, BondKind, BondOrder, BondSource, StatedBonds, Structure, apply_symmetry};
 use glam::Vec3;
 use residues::Known;
 
@@ -137,6 +140,36 @@ pub fn find(structure: &Structure, frame: usize, options: &BondOptions) -> Vec<B
 
 /// The bonds, and what is known of the residues.
 fn find_all(structure: &Structure, frame: usize, options: &BondOptions) -> (Vec<Bond>, Known) {
+    match whole_cell(structure, frame, options) {
+        Some(whole) => (among_first(find_listed(&whole, 0, options).0, structure.atom_count()), Known::default()),
+        None => find_listed(structure, frame, options),
+    }
+}
+
+/// Most atoms of a whole cell in which the surroundings of the listed ones are looked at. Chosen: the largest frameworks and
+/// small-molecule crystals have some 20,000; proteins, whose molecules are whole as listed, are not expanded.
+const MOST_IN_CELL: usize = 200_000;
+
+/// The content of the cell of a file that lists an asymmetric unit, its symmetry and no bonds, the listed atoms first.
+fn whole_cell(structure: &Structure, frame: usize, options: &BondOptions) -> Option<Structure> {
+    let finds = matches!(options.mode, BondMode::Auto | BondMode::Perceive);
+    let is_unit = structure.symmetry().is_some_and(|symmetry| symmetry.operations.len() > 1);
+    if frame != 0 || !finds || !is_unit || !structure.residues().is_empty() || !structure.bonds().is_empty() {
+        return None;
+    }
+    let (whole, original) = apply_symmetry(structure.clone(), MOST_IN_CELL).ok()?;
+    // A cell that is a mere placeholder repeats nothing.
+    (original.is_some() && whole.lattice(0).is_some()).then_some(whole)
+}
+
+/// The bonds among the first atoms as they stand.
+fn among_first(bonds: Vec<Bond>, count: usize) -> Vec<Bond> {
+    let is_listed = |bond: &Bond| (bond.b.max(bond.a) as usize) < count && !bond.is_periodic();
+    bonds.into_iter().filter(is_listed).collect()
+}
+
+/// The same among the atoms as listed.
+fn find_listed(structure: &Structure, frame: usize, options: &BondOptions) -> (Vec<Bond>, Known) {
     let options = options.sane();
     let stated = match options.mode {
         BondMode::None => return (Vec::new(), Known::default()),
@@ -160,14 +193,18 @@ fn find_all(structure: &Structure, frame: usize, options: &BondOptions) -> (Vec<
             (merge(settled, inferred), known)
         }
     };
-    if options.mode == BondMode::Perceive || options.mode == BondMode::Auto && !is_complete {
+    let is_perceived = options.mode == BondMode::Perceive || options.mode == BondMode::Auto && !is_complete;
+    if !is_complete || options.mode == BondMode::Perceive {
+        ligands::settle(structure, positions, structure.lattice(frame), &mut bonds, is_perceived);
+    }
+    if is_perceived {
         orders::perceive(structure.elements(), positions, structure.lattice(frame), &mut bonds);
     }
     orders::kekulise(structure, &mut bonds);
     if !options.hydrogen_bonds {
         return (bonds, known);
     }
-    let more = hbonds::find(structure, positions, &bonds);
+    let more = periodic::hydrogen_bonds(structure, frame, &bonds);
     let mut bonds = merge(bonds, more);
     // What the file states as a hydrogen bond is not found again.
     bonds.dedup_by_key(|bond| bond.key());
@@ -192,27 +229,30 @@ fn described(
 /// listed, it also gets the charges that follow from these.
 #[must_use]
 pub fn assign(structure: Structure, options: &BondOptions) -> Structure {
-    let bonds = find(&structure, 0, options);
+    let count = structure.atom_count();
+    let whole = whole_cell(&structure, 0, options);
+    let surroundings = whole.as_ref().unwrap_or(&structure);
+    let bonds = find_listed(surroundings, 0, options).0;
     let is_listed = match options.mode {
         BondMode::Auto => structure.stated_bonds() == StatedBonds::Complete,
         BondMode::Perceive => false,
         BondMode::File | BondMode::None => true,
     };
     // Alternate locations would count as bonds too many.
-    let charges = if is_listed || structure.has_formal_charges() || structure.has_altlocs() {
+    let charges = if is_listed || structure.has_formal_charges() || surroundings.has_altlocs() {
         Vec::new()
     } else {
-        orders::charges(&structure, &bonds)
+        orders::charges(surroundings, &bonds)
     };
+    let bonds = if whole.is_some() { among_first(bonds, count) } else { bonds };
     let structure = structure.with_bonds(bonds);
-    if charges.is_empty() {
-        return structure;
-    }
-    let mut of_atom = vec![0i8; structure.atom_count()];
+    let mut of_atom = vec![0i8; if charges.is_empty() { 0 } else { count }];
     for (atom, charge) in charges {
-        of_atom[atom as usize] = charge;
+        if let Some(slot) = of_atom.get_mut(atom as usize) {
+            *slot = charge;
+        }
     }
-    structure.with_formal_charges(of_atom)
+    if of_atom.is_empty() { structure } else { structure.with_formal_charges(of_atom) }
 }
 
 /// What the file states, completed by what is known of the residues.
@@ -239,13 +279,16 @@ fn settle(stated: Vec<Bond>, inside: Vec<Bond>, links: Vec<Bond>, known: &mut Kn
 }
 
 /// One bond that the file states and the dictionary describes. A CONECT record that is there once, and LINK, say that there
-/// is a bond and nothing more.
+/// is a bond and nothing more; a row of `_struct_conn` also says of which kind.
 fn united(stated: Bond, described: Bond) -> Bond {
     let untold = stated.order <= BondOrder::Single && !stated.aromatic;
-    if untold {
-        return Bond { source: stated.source, ..described };
+    if !untold {
+        return Bond { aromatic: described.aromatic, ..stated };
     }
-    Bond { aromatic: described.aromatic, ..stated }
+    if stated.source == BondSource::Link && stated.kind != described.kind {
+        return stated;
+    }
+    Bond { source: stated.source, ..described }
 }
 
 /// Both sorted lists as one. They have no pair in common.
@@ -263,12 +306,18 @@ fn merge(one: Vec<Bond>, other: Vec<Bond>) -> Vec<Bond> {
 }
 
 /// CONECT and LINK say that there is a bond but not of which kind: between a metal and a donor it is coordination, as
-/// everywhere else. The order stays the file's.
+/// everywhere else; the order stays the file's. A row of `_struct_conn` that calls it covalent and gives its order is told,
+/// one that gives none is not.
 fn with_kind(bond: Bond, structure: &Structure) -> Bond {
     let element = |atom: u32| structure.elements().get(atom as usize).copied().unwrap_or_default();
-    let untold = bond.kind == BondKind::Covalent && bond.order <= BondOrder::Single && !bond.aromatic;
-    if untold && metal::is_coordination(element(bond.a), element(bond.b)) {
-        return Bond { kind: BondKind::Coordination, ..bond };
+    let is_link = bond.source == BondSource::Link;
+    let longest_untold = if is_link { BondOrder::Unknown } else { BondOrder::Single };
+    if bond.kind != BondKind::Covalent || bond.order > longest_untold || bond.aromatic {
+        return bond;
     }
-    bond
+    if metal::is_coordination(element(bond.a), element(bond.b)) {
+        // A link stays without an order, by which `ligands` sees that it is not told.
+        return if is_link { bond } else { Bond { kind: BondKind::Coordination, ..bond } };
+    }
+    if is_link { Bond { order: BondOrder::Single, ..bond } } else { bond }
 }

@@ -10,7 +10,7 @@
 
 use super::residues::Known;
 use super::rules::{self, PairTable};
-use super::{BondOptions, distance};
+use super::{BondOptions, distance, hbonds};
 use crate::structure::{Bond, Cell, Positions, Structure};
 use glam::{DVec3, IVec3};
 
@@ -31,10 +31,24 @@ pub(super) fn find(
     options: &BondOptions,
 ) -> Vec<Bond> {
     let Some(positions) = structure.frames().get(frame).map(|frame| &frame.positions) else { return Vec::new() };
-    let extended = structure.lattice(frame).and_then(|cell| Extended::new(structure, positions, cell, options));
+    let reach = f64::from(PairTable::new(structure.elements(), options).longest(true));
+    let extended = structure.lattice(frame).and_then(|cell| Extended::new(structure, positions, cell, reach));
     match extended {
         Some(extended) => extended.find(settled, known, options),
         None => distance::find(structure, positions.relative(), settled, known, options),
+    }
+}
+
+/// The hydrogen bonds of a frame whose atoms have these bonds, those to periodic images with them, sorted.
+pub(super) fn hydrogen_bonds(structure: &Structure, frame: usize, bonds: &[Bond]) -> Vec<Bond> {
+    let Some(positions) = structure.frames().get(frame).map(|frame| &frame.positions) else { return Vec::new() };
+    let reach = f64::from(hbonds::LONGEST);
+    match structure.lattice(frame).and_then(|cell| Extended::new(structure, positions, cell, reach)) {
+        Some(extended) => {
+            let everywhere = extended.settled_everywhere(bonds);
+            extended.at_home(hbonds::find(&extended.all, extended.all.positions().relative(), &everywhere))
+        }
+        None => hbonds::find(structure, positions.relative(), bonds),
     }
 }
 
@@ -71,9 +85,9 @@ struct Extended {
 }
 
 impl Extended {
-    fn new(structure: &Structure, positions: &Positions, cell: &Cell, options: &BondOptions) -> Option<Extended> {
+    /// The images as far as two lengths `reach` from the cell; `None` if there would be too many.
+    fn new(structure: &Structure, positions: &Positions, cell: &Cell, reach: f64) -> Option<Extended> {
         let atom_count = structure.atom_count();
-        let reach = f64::from(PairTable::new(structure.elements(), options).longest(true));
         let (to_fractional, from_fractional) = (cell.fractional_from_cartesian(), cell.cartesian_from_fractional());
         let margin = 2.0 * reach / cell.face_distances();
         let mut home = Vec::with_capacity(atom_count);
@@ -126,7 +140,11 @@ impl Extended {
     fn find(&self, settled: &[Bond], known: &Known, options: &BondOptions) -> Vec<Bond> {
         let settled = self.settled_everywhere(settled);
         let known = known.of_copies((0..self.all.atom_count() as u32).map(|index| self.place(index).0));
-        let found = distance::find(&self.all, self.all.positions().relative(), &settled, &known, options);
+        self.at_home(distance::find(&self.all, self.all.positions().relative(), &settled, &known, options))
+    }
+
+    /// The bonds of the atoms themselves, among those of all, each once.
+    fn at_home(&self, found: Vec<Bond>) -> Vec<Bond> {
         let mut bonds: Vec<Bond> = (found.into_iter())
             .filter(|bond| (bond.a as usize) < self.atom_count)
             .filter_map(|bond| {
@@ -192,7 +210,8 @@ mod tests {
     use super::super::{BondOptions, assign, find};
     use crate::element::Element;
     use crate::structure::{
-        AtomRecord, Bond, BondOrder, BondSource, Cell, Diagnostics, StatedBonds, Structure, StructureBuilder,
+        AtomRecord, Bond, BondOrder, BondSource, Cell, Diagnostics, StatedBonds, Structure, StructureBuilder, Symmetry,
+        SymmetryOperation,
     };
     use glam::DVec3;
 
@@ -270,5 +289,50 @@ mod tests {
         builder.set_stated_bonds(StatedBonds::Complete);
         let bonds = find(&built(builder), 0, &BondOptions::default());
         assert_eq!(bonds.iter().map(|bond| bond.image).collect::<Vec<_>>(), [[1, 0, 0], [0, 0, 0]]);
+    }
+
+    #[test]
+    fn hydrogen_bonds_go_across_faces() {
+        // Two waters of a chain along x that never ends: each gives its hydrogen to the next, one of them in the next cell.
+        let atoms = [
+            ("O", [0.1, 0.5, 0.5]),
+            ("H", [0.26, 0.5, 0.5]),
+            ("H", [0.06, 0.655, 0.5]),
+            ("O", [0.6, 0.5, 0.5]),
+            ("H", [0.76, 0.5, 0.5]),
+            ("H", [0.56, 0.655, 0.5]),
+        ];
+        let options = BondOptions { hydrogen_bonds: true, ..BondOptions::default() };
+        let structure = built(crystal(6.0, &atoms));
+        let bonds = find(&structure, 0, &options);
+        let found = bonds.iter().filter(|bond| bond.kind == crate::structure::BondKind::Hydrogen);
+        assert_eq!(
+            found.map(|bond| (bond.a, bond.b, bond.image)).collect::<Vec<_>>(),
+            [(0, 4, [-1, 0, 0]), (1, 3, [0, 0, 0])]
+        );
+        let explained = super::super::explain(&structure, 0, &options);
+        let reasons = explained.iter().filter(|bond| bond.bond.kind == crate::structure::BondKind::Hydrogen);
+        assert!(reasons.clone().all(|bond| bond.reason.contains("D···A 3.00 Å")), "{explained:?}");
+        assert!(reasons.clone().all(|bond| bond.reason.contains("180°")) && reasons.count() == 2);
+    }
+
+    #[test]
+    fn orders_and_charges_of_an_asymmetric_unit_are_those_of_the_crystal() {
+        // Quartz: one silicon and one oxygen are listed (Levien, Prewitt and Weidner, Am. Mineral. 1980, 65, 920); silicon has
+        // four oxygens and oxygen two silicons.
+        let mut builder = StructureBuilder::new();
+        let cell = Cell::from_parameters([4.916, 4.916, 5.4054], [90.0, 90.0, 120.0]).unwrap();
+        for (symbol, at) in [("Si", [0.4697, 0.0, 0.0]), ("O", [0.4135, 0.2669, 0.1191])] {
+            let position = cell.cartesian_from_fractional() * DVec3::from(at);
+            let element = Element::from_symbol(symbol).unwrap();
+            builder.push_atom(&AtomRecord { element, position, ..AtomRecord::default() });
+        }
+        builder.set_cell(Some(cell));
+        let operations = ["x,y,z", "-y,x-y,z+2/3", "-x+y,-x,z+1/3", "x-y,-y,-z", "-x,-x+y,-z+1/3", "y,x,-z+2/3"];
+        let operations = operations.iter().map(|text| SymmetryOperation::from_triplet(text).unwrap()).collect();
+        builder.set_symmetry(Some(Symmetry { space_group: "P 32 2 1".to_owned(), operations }));
+        let quartz = assign(built(builder), &BondOptions::default());
+        assert_eq!(quartz.bonds(), [Bond::new(0, 1, BondOrder::Single, BondSource::Distance)]);
+        assert!(!quartz.has_formal_charges());
     }
 }

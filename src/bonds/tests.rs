@@ -241,6 +241,15 @@ fn salts_and_metals_are_lattices() {
 }
 
 #[test]
+fn gold_is_bonded_under_a_thiolate_and_titanium_is_not_under_an_oxide() {
+    let bent = |metal, bridge, apart: f64, height| {
+        pairs_of(&[(metal, [0.0; 3]), (metal, [apart, 0.0, 0.0]), (bridge, [apart / 2.0, height, 0.0])])
+    };
+    assert_eq!(bent("Au", "S", 3.1, 1.8), [(0, 1), (0, 2), (1, 2)]);
+    assert_eq!(bent("Ti", "O", 3.57, 0.82), [(0, 2), (1, 2)]);
+}
+
+#[test]
 fn an_iron_sulfur_cubane_has_no_iron_iron_sticks() {
     let (fe, s) = (0.96, 1.26);
     let corners = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];

@@ -1,6 +1,6 @@
 //! The command line, as it is typed. Nothing here acts; names and defaults are what others script against.
 
-use super::values::{Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Size, Supercell};
+use super::values::{Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Size, Supercell, counted_from_1};
 use crate::color::Srgb8;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroU32;
@@ -222,7 +222,7 @@ impl CrystalArgs {
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub struct SelectArgs {
     /// Frame (XYZ frame, PDB model, SDF record), counted from 1; with --record the frame of that record
-    #[arg(long, value_name = "N", help_heading = "Molecule")]
+    #[arg(long, value_name = "N", value_parser = counted_from_1, help_heading = "Molecule")]
     pub frame: Option<NonZeroU32>,
     /// Record of a file with several molecules, counted from 1; all takes every one (a picture shows them side by side)
     #[arg(long, value_name = "N|all", help_heading = "Molecule")]

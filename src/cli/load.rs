@@ -49,6 +49,7 @@ pub(super) fn load_for_picture(
         }
         select => select,
     };
+    let is_mmcif = matches!(document.format, Format::Mmcif | Format::BinaryCif);
     let mut structures = pick(document, select)?;
     structures = structures.into_iter().filter_map(|structure| structure.with_only_frame(0)).collect();
     seconds.read += started.elapsed().as_secs_f64();
@@ -59,6 +60,10 @@ pub(super) fn load_for_picture(
     let is_asked = crystal_args.supercell.is_several() || crystal_args.cell == CellArg::Full;
     if is_asked && !drawn.iter().any(|drawn| drawn.is_cell_content) {
         let why = match drawn.iter().any(|drawn| drawn.cell.is_some()) {
+            true if is_mmcif => {
+                "mmCIF files of proteins do not list the symmetry operations by which the atoms fill the cell; the entry's PDB \
+                 file does, in REMARK 290"
+            }
             true => {
                 "the file lists no symmetry operations by which its atoms fill the cell, or the cell is a placeholder"
             }

@@ -175,6 +175,11 @@ fn single_digits(text: &str) -> Option<Vec<i32>> {
     (sign == 1).then_some(indices)
 }
 
+/// A number of what is counted from 1.
+pub(super) fn counted_from_1(text: &str) -> Result<NonZeroU32, String> {
+    text.parse().map_err(|_| "expected a number; frames are counted from 1".to_owned())
+}
+
 /// Which record of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordChoice {
@@ -335,6 +340,10 @@ mod tests {
 
     #[test]
     fn records_altlocs_backgrounds() {
+        assert_eq!(counted_from_1("7").map(NonZeroU32::get), Ok(7));
+        for text in ["0", "-1", "", "one"] {
+            assert!(counted_from_1(text).unwrap_err().contains("counted from 1"), "{text}");
+        }
         let one = NonZeroU32::MIN;
         check(&[("1", RecordChoice::Number(one)), ("ALL", RecordChoice::All)], &["", "0", "-1", "some"]);
         check(&[("highest", Altloc::Highest), ("all", Altloc::All), ("B", Altloc::Code(b'B'))], &["", "AB", " ", "é"]);

@@ -1,7 +1,7 @@
 //! Crystals: which copies of a periodic structure's atoms are drawn. Nothing here changes what was read.
 //!
 //! A file lists an asymmetric unit, or the atoms of one cell; what a chemist wants to see are whole molecules, or a cell
-//! with all that is in it. [`draw`] takes the listed atoms, applies the symmetry (`expand`), finds the bonds of the whole
+//! with all that is in it. [`draw`] takes the listed atoms, applies the symmetry, finds the bonds of the whole
 //! periodic content, walks them (`molecules`) and places copies:
 //!
 //! - a molecule that ends is drawn whole, wherever the cell's faces cut it;
@@ -10,13 +10,12 @@
 //!
 //! Limits: orthogonal and skew cells alike, but only first frames; the order of atoms in what is drawn is the file's, copy by copy.
 
-mod expand;
 mod lattice;
 mod molecules;
 
 use crate::bonds::{self, BondOptions};
 use crate::error::{Error, Result};
-use crate::structure::{Bond, BondKind, Cell, Structure};
+use crate::structure::{Bond, BondKind, Cell, Structure, apply_symmetry};
 use glam::{DVec3, IVec3};
 use molecules::{Molecule, Neighbours};
 use std::collections::{HashMap, HashSet};
@@ -131,7 +130,7 @@ pub fn draw(structure: Structure, options: &CrystalOptions) -> Result<Drawn> {
         CellChoice::Asym => (structure, None),
         // A protein is shown as its entry lists it, unless the crystal is asked for.
         CellChoice::Molecule if !structure.residues().is_empty() => (structure, None),
-        CellChoice::Molecule | CellChoice::Full => expand::apply_symmetry(structure, options.most_atoms)?,
+        CellChoice::Molecule | CellChoice::Full => apply_symmetry(structure, options.most_atoms)?,
     };
     let structure = bonds::assign(structure, &options.bonds);
     let is_cut = structure.bonds().iter().any(Bond::is_periodic);

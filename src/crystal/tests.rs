@@ -1,6 +1,8 @@
 use super::*;
 use crate::element::Element;
-use crate::structure::{AtomRecord, Diagnostics, StructureBuilder, Symmetry, SymmetryOperation};
+use crate::structure::{
+    AtomRecord, BondOrder, BondSource, Diagnostics, StatedBonds, StructureBuilder, Symmetry, SymmetryOperation,
+};
 
 /// Atoms at fractional positions of a cubic cell, and operations beside the identity.
 fn crystal(edge: f64, atoms: &[(&str, [f64; 3])], operations: &[&str]) -> Structure {
@@ -118,6 +120,36 @@ fn disorder_about_a_special_position_gives_alternatives() {
 
 fn atom_flags() -> u8 {
     crate::structure::atom_flags::SYMMETRY_DISORDER
+}
+
+#[test]
+fn what_a_file_states_of_a_residue_holds_in_all_copies() {
+    // Two atoms of a residue with a stated bond of 2.4 Å, which no distance would find, beside a twofold axis, and an ion on
+    // the axis that is there once.
+    let mut builder = StructureBuilder::new();
+    for (element, at, number) in
+        [(Element::S, [3.0, 2.0, 3.0], 1), (Element::S, [3.0, 2.0, 5.4], 1), (Element::CL, [0.0, 5.0, 0.0], 2)]
+    {
+        builder.push_atom(&AtomRecord {
+            element,
+            position: DVec3::from(at),
+            residue: Some(("A", number, b' ', "XXX")),
+            ..AtomRecord::default()
+        });
+    }
+    builder.push_bond(Bond::new(0, 1, BondOrder::Single, BondSource::Link));
+    builder.set_stated_bonds(StatedBonds::Partial);
+    builder.set_cell(Cell::from_parameters([10.0; 3], [90.0; 3]));
+    let operations = ["x,y,z", "-x,y,-z"].map(|text| SymmetryOperation::from_triplet(text).unwrap()).to_vec();
+    builder.set_symmetry(Some(Symmetry { space_group: "P 1 2 1".to_owned(), operations }));
+    let structure = builder.build(&mut Diagnostics::default());
+    let full = drawn(&structure, CellChoice::Full, [1; 3]).structure;
+    let residues: Vec<(i32, u32)> = full.residues().iter().map(|r| (r.number, r.first_atom)).collect();
+    assert_eq!((full.atom_count(), full.bonds().len()), (5, 2), "{residues:?}");
+    assert!(full.bonds().iter().all(|bond| bond.source == BondSource::Link));
+    let length = |bond: &Bond| full.positions().get(bond.a as usize).distance(full.positions().get(bond.b as usize));
+    assert!(full.bonds().iter().all(|bond| (length(bond) - 2.4).abs() < 1e-9));
+    assert_eq!(drawn(&structure, CellChoice::Molecule, [1; 3]).structure.atom_count(), 3);
 }
 
 #[test]

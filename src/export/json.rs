@@ -190,14 +190,13 @@ impl Display for Number {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::export::tests::written;
     use crate::structure::{AtomRecord, BondKind, BondOrder, BondSource, Diagnostics, StructureBuilder};
     use glam::DVec3;
     use serde_json::{Value, json};
 
     fn text(structure: &Structure) -> String {
-        let mut bytes = Vec::new();
-        write(structure, &mut bytes).unwrap();
-        String::from_utf8(bytes).unwrap()
+        written(|out| write(structure, out))
     }
 
     fn value(structure: &Structure) -> Value {

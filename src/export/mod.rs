@@ -29,6 +29,14 @@ pub fn tidy(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::tidy;
+    use std::io;
+
+    /// What a writer writes, as text: for the tests of the formats.
+    pub(super) fn written(write: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> String {
+        let mut bytes = Vec::new();
+        write(&mut bytes).unwrap();
+        String::from_utf8(bytes).unwrap()
+    }
 
     #[test]
     fn tidy_removes_rounding_errors_and_nothing_else() {

@@ -7,6 +7,7 @@
 //!   that of the Kekulé form, or one where none is known.
 //! - Each frame is a MODEL, as is each record where there are more; a record's CONECT stands inside its MODEL then. CRYST1
 //!   is repeated where the cell changes.
+//! - Symmetry operations are REMARK 290, before the CRYST1 of their cell.
 //! - Atoms without a name get their element and a number, atoms without residue are HETATM of `UNL` with the record's
 //!   number.
 //! - Chain names of more than one character get a character that is free; names too long are cut.
@@ -37,6 +38,7 @@ pub static FORMAT: StructureFormat = StructureFormat {
         Part::Cell,
         Part::FrameCells,
         Part::SpaceGroup,
+        Part::SymmetryOperations,
         Part::AtomNames,
         Part::Serials,
         Part::Residues,
@@ -98,14 +100,16 @@ pub fn write(records: &[Structure], out: &mut dyn Write) -> io::Result<()> {
     }
     let models: usize = records.iter().map(|record| record.frames().len()).sum();
     let mut number = 0usize;
-    let mut cell: Option<Option<&Cell>> = None;
+    let mut crystal = None;
     for (record, structure) in records.iter().enumerate() {
         let atoms = Atoms::new(structure, record);
         for (index, frame) in structure.frames().iter().enumerate() {
             // Without any cell there is no CRYST1; behind one, the unit cell of 1 Å says that there is none any more.
-            if cell.map_or(frame.cell.is_some(), |cell| cell != frame.cell.as_ref()) {
+            let this = (frame.cell.as_ref(), structure.symmetry());
+            if crystal.map_or(frame.cell.is_some(), |last| last != this) {
+                write_symmetry(structure, frame.cell.as_ref(), out)?;
                 write_cell(structure, frame.cell.as_ref(), out)?;
-                cell = Some(frame.cell.as_ref());
+                crystal = Some(this);
             }
             number += 1;
             if models > 1 {
@@ -163,6 +167,25 @@ fn write_cell(structure: &Structure, cell: Option<&Cell>, out: &mut dyn Write) -
     let group: String = one_line(group).chars().take(11).collect();
     let line = format!("CRYST1{a:9.3}{b:9.3}{c:9.3}{alpha:7.2}{beta:7.2}{gamma:7.2} {group}");
     writeln!(out, "{}", line.trim_end())
+}
+
+/// REMARK 290: rotations and translations for positions in ångström.
+fn write_symmetry(structure: &Structure, cell: Option<&Cell>, out: &mut dyn Write) -> io::Result<()> {
+    let (Some(cell), Some(symmetry)) = (cell, structure.symmetry()) else { return Ok(()) };
+    let (to_fractional, from_fractional) = (cell.fractional_from_cartesian(), cell.cartesian_from_fractional());
+    for (index, operation) in symmetry.operations.iter().enumerate() {
+        let rotation = from_fractional * operation.rotation * to_fractional;
+        let translation = from_fractional * operation.translation;
+        for axis in 0..3 {
+            // Without the sign of what rounds to zero.
+            let row = rotation.row(axis).map(|factor| (factor * 1e6).round() / 1e6 + 0.0);
+            let along = (translation[axis] * 1e5).round() / 1e5 + 0.0;
+            let number = index + 1;
+            let [x, y, z] = row.to_array();
+            writeln!(out, "REMARK 290   SMTRY{}{number:>4}{x:10.6}{y:10.6}{z:10.6}{along:15.5}", axis + 1)?;
+        }
+    }
+    Ok(())
 }
 
 /// HELIX and SHEET.
@@ -440,13 +463,12 @@ fn is_standard_residue(residue: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::export::tests::written;
     use crate::structure::{AtomRecord, BondSource, Diagnostics, SecondaryElement, StructureBuilder, Symmetry};
     use glam::DVec3;
 
     fn text(records: &[Structure]) -> String {
-        let mut bytes = Vec::new();
-        write(records, &mut bytes).unwrap();
-        String::from_utf8(bytes).unwrap()
+        written(|out| write(records, out))
     }
 
     fn build(builder: StructureBuilder) -> Structure {

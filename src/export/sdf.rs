@@ -254,13 +254,12 @@ fn write_property(name: &str, value: &str, out: &mut dyn Write) -> io::Result<()
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::export::tests::written;
     use crate::structure::{AtomRecord, BondSource, Diagnostics, StructureBuilder, atom_flags};
     use glam::DVec3;
 
     fn text(records: &[Structure], v3000: bool) -> String {
-        let mut bytes = Vec::new();
-        write(records, v3000, &mut bytes).unwrap();
-        String::from_utf8(bytes).unwrap()
+        written(|out| write(records, v3000, out))
     }
 
     fn sample(decimals: u8) -> Structure {
@@ -303,9 +302,7 @@ mod tests {
         assert!(text.contains("M  V30 COUNTS 4 3 0 0 0\n") && text.contains("M  V30 2 H -12.25 -0.00001 1 0 MASS=2\n"));
         assert!(text.contains("M  V30 1 1 2 1 CFG=3\n"), "{text}");
         let long = "1 C 12345.12345678901 -12345.12345678901 -12345.12345678901 0 CHG=-1 RAD=2 MASS=13";
-        let mut wrapped = Vec::new();
-        write_entry(long, &mut wrapped).unwrap();
-        let wrapped = String::from_utf8(wrapped).unwrap();
+        let wrapped = written(|out| write_entry(long, out));
         assert!(wrapped.lines().count() == 2 && wrapped.lines().all(|line| line.len() <= 80), "{wrapped}");
         assert_eq!(wrapped.replace("-\nM  V30 ", ""), format!("M  V30 {long}\n"));
     }

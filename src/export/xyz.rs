@@ -199,13 +199,12 @@ fn always_quoted(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::element::Element;
+    use crate::export::tests::written;
     use crate::structure::{AtomRecord, Cell, Diagnostics, StructureBuilder};
     use glam::DVec3;
 
     fn text(records: &[Structure]) -> String {
-        let mut bytes = Vec::new();
-        write(records, &mut bytes).unwrap();
-        String::from_utf8(bytes).unwrap()
+        written(|out| write(records, out))
     }
 
     fn heavy_water(cell: Option<Cell>, title: &str) -> Structure {
@@ -255,14 +254,13 @@ mod tests {
             builder.push_property(name, value);
         }
         assert!(builder.push_frame(&[DVec3::X], None, ""));
-        let mut bytes = Vec::new();
-        write_extended(&[builder.build(&mut Diagnostics::default())], &mut bytes).unwrap();
+        let got = written(|out| write_extended(&[builder.build(&mut Diagnostics::default())], out));
         let expected = concat!(
             "1\nProperties=species:S:1:pos:R:3:charge:R:1:my_force:R:3 energy=-1.5 \"a b\"=\"say \\\"x\\\"\\n\\\\\" ",
             "Lattice_=fcc title=\"t\"\nO      0.0     0.0     0.0 -0.5 0.5 0 -1\n",
             "1\nProperties=species:S:1:pos:R:3:charge:R:1 title=\"t\"\nO      1.0     0.0     0.0 -0.5\n",
         );
-        assert_eq!(String::from_utf8(bytes).unwrap(), expected);
+        assert_eq!(got, expected);
     }
 
     #[test]

@@ -123,6 +123,9 @@ fn column_slowly(line: &[u8], from: usize, to: usize) -> Option<(f64, u8)> {
 #[inline]
 pub(super) fn next_f64(line: &[u8]) -> Option<(f64, u8, &[u8])> {
     let start = line.iter().position(|&byte| byte != b' ')?;
+    if let Some(found) = next_short(line, start) {
+        return Some(found);
+    }
     let (negative, first) = match line[start] {
         b'-' => (true, start + 1),
         b'+' => (false, start + 1),
@@ -153,6 +156,31 @@ pub(super) fn next_f64(line: &[u8]) -> Option<(f64, u8, &[u8])> {
     let decimals = if has_point { index - point - 1 } else { 0 };
     let value = mantissa as f64 / TEN[decimals];
     Some((if negative { -value } else { value }, decimals as u8, &line[index..]))
+}
+
+/// [`next_f64`] by [`fixed_f64`]: of a number that begins at `start` and ends within eight bytes, or with the line.
+#[inline]
+fn next_short(line: &[u8], start: usize) -> Option<(f64, u8, &[u8])> {
+    const ONES: u64 = 0x0101_0101_0101_0101;
+    const BLANKS: u64 = ONES * b' ' as u64;
+    if let Some(text) = line.get(start..).and_then(|rest| rest.first_chunk()) {
+        let word = u64::from_le_bytes(*text);
+        // The lowest byte that is 0 after this is the first blank.
+        let blank = word ^ BLANKS;
+        let zero = blank.wrapping_sub(ONES) & !blank & (ONES << 7);
+        let bits = zero.trailing_zeros() & !7;
+        if !(8..64).contains(&bits) {
+            return None;
+        }
+        // Moved to the end, behind blanks.
+        let (value, decimals) = fixed_f64((word << (64 - bits) | BLANKS >> bits).to_le_bytes())?;
+        return Some((value, decimals, &line[start + bits as usize / 8..]));
+    }
+    let width = line.len() - start; // 1 to 7
+    let before = (1u64 << (8 * (8 - width))) - 1;
+    let word = (u64::from_le_bytes(*line.last_chunk()?) & !before) | (BLANKS & before);
+    let (value, decimals) = fixed_f64(word.to_le_bytes())?;
+    Some((value, decimals, &[]))
 }
 
 /// Three numbers, the most decimals among them, and what follows.
@@ -316,6 +344,18 @@ mod tests {
                 let want = parse_f64(text.trim_ascii().as_bytes());
                 prop_assert_eq!(want, Some((value, decimals)));
                 prop_assert_eq!(want.unwrap().0.to_bits(), value.to_bits());
+            }
+        }
+
+        #[test]
+        fn numbers_in_a_row_are_those_of_the_words(line in "( {0,3}(-?[0-9]{0,5}\\.[0-9]{0,5}|[0-9+-]{1,9}|[0-9.e-]{1,7}) {0,2}\t?){1,4}") {
+            let mut rest = line.as_bytes();
+            while let Some((word, behind)) = next_word(rest) {
+                let want = parse_f64(word);
+                let got = next_f64(rest);
+                prop_assert_eq!(got.map(|(value, decimals, _)| (value.to_bits(), decimals)), want.map(|(value, decimals)| (value.to_bits(), decimals)));
+                prop_assert_eq!(got.map_or(behind, |(.., rest)| rest), behind);
+                rest = behind;
             }
         }
 

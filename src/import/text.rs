@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use crate::structure::Diagnostics;
 use memchr::{memchr, memchr_iter};
+use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// The bytes with `\n` (or `\r\n`) line ends, without a byte order mark, UTF-16 turned into UTF-8. Almost always the
@@ -19,7 +20,7 @@ pub(super) fn normalise<'a>(bytes: &'a [u8], diagnostics: &mut Diagnostics) -> C
     // those of `\r\r\n` belong to one line end.
     let mac = memchr(b'\n', &bytes).is_none();
     let lone = |bytes: &[u8], at: usize| mac || !matches!(bytes.get(at + 1), Some(b'\n' | b'\r'));
-    if !memchr_iter(b'\r', &bytes).any(|at| lone(&bytes, at)) {
+    if !has_return(&bytes) || !memchr_iter(b'\r', &bytes).any(|at| lone(&bytes, at)) {
         return bytes;
     }
     let mut owned = bytes.into_owned();
@@ -29,6 +30,13 @@ pub(super) fn normalise<'a>(bytes: &'a [u8], diagnostics: &mut Diagnostics) -> C
         }
     }
     Cow::Owned(owned)
+}
+
+/// Whether there is a carriage return; all cores look through what is large.
+fn has_return(bytes: &[u8]) -> bool {
+    const PART: usize = 4 << 20;
+    let has = |part: &[u8]| memchr(b'\r', part).is_some();
+    if bytes.len() <= PART { has(bytes) } else { bytes.par_chunks(PART).any(has) }
 }
 
 fn from_utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16, diagnostics: &mut Diagnostics) -> Vec<u8> {
@@ -60,6 +68,31 @@ impl<'a> Lines<'a> {
     /// What is still to come.
     pub(super) fn rest(&self) -> &'a [u8] {
         self.rest
+    }
+
+    /// Passes over so many lines without looking at them, not even at how long they are; `false` if there are fewer.
+    pub(super) fn pass_over(&mut self, count: usize) -> bool {
+        /// Bytes in which line ends are counted at once (chosen: they stay in the nearest cache).
+        const SOME: usize = 1 << 14;
+        let (mut at, mut left) = (0, count);
+        while left > 0 && at < self.rest.len() {
+            let some = &self.rest[at..self.rest.len().min(at + SOME)];
+            let ends = memchr_iter(b'\n', some).count();
+            if ends < left {
+                left -= ends;
+                at += some.len();
+            } else {
+                at += memchr_iter(b'\n', some).nth(left - 1).map_or(some.len(), |end| end + 1);
+                left = 0;
+            }
+        }
+        // The last line of a text may be without an end.
+        if left > 0 && self.rest.last().is_some_and(|&byte| byte != b'\n') {
+            left -= 1;
+        }
+        self.number += (count - left) as u64;
+        self.rest = &self.rest[at..];
+        left == 0
     }
 
     /// The limit error if a line was too long.
@@ -247,6 +280,23 @@ mod tests {
         let mut lines = Lines::new(b"ab\nabcdef\nab", 3);
         assert_eq!(lines.by_ref().count(), 1);
         assert_eq!(lines.check().unwrap_err().line(), Some(2));
+    }
+
+    #[test]
+    fn passed_over_lines_are_those_that_come_one_by_one() {
+        let short: String =
+            (0..30_000).map(|n| if n % 7 == 0 { "\n".to_owned() } else { format!("{n}\r\n") }).collect();
+        for text in [short.as_str(), "a\nb", "a\nb\n", "\n", "a", ""] {
+            let all = Lines::new(text.as_bytes(), 100);
+            let count = all.clone().count();
+            for skipped in [0, 1, 2, count / 2, count.saturating_sub(1), count] {
+                let (mut one_by_one, mut at_once) = (all.clone(), all.clone());
+                let found = one_by_one.by_ref().take(skipped).count() == skipped;
+                assert_eq!(at_once.pass_over(skipped), found);
+                assert_eq!((at_once.number(), at_once.rest()), (one_by_one.number(), one_by_one.rest()));
+            }
+            assert!(!all.clone().pass_over(count + 1));
+        }
     }
 
     #[test]

@@ -93,10 +93,15 @@ impl Artist<'_> {
         self.between(bond, self.positions[bond.b as usize], id, push);
     }
 
+    /// Whether a bond is drawn as dashes. Those of a lattice that coordination alone holds together are sticks.
+    fn is_dashes(&self, bond: &Bond) -> bool {
+        let is_lattice = |atom: u32| self.lattice.get(atom as usize).is_some_and(|&is| is);
+        is_dashed(bond.kind) && !(is_lattice(bond.a) && is_lattice(bond.b))
+    }
+
     /// The sticks of a bond whose far end is at `end`.
     fn between(&self, bond: &Bond, end: Vec3, id: u32, push: impl FnMut(CylinderInstance)) {
-        let is_lattice = |atom: u32| self.lattice.get(atom as usize).is_some_and(|&is| is);
-        let is_solid = !is_dashed(bond.kind) || (is_lattice(bond.a) && is_lattice(bond.b));
+        let is_solid = !self.is_dashes(bond);
         let kind = if is_solid { BondKind::Covalent } else { bond.kind };
         let Some(stick_radius) = self.style.stick_radius(kind) else { return };
         let template = CylinderInstance {
@@ -150,6 +155,9 @@ impl Artist<'_> {
         let length = vector.length();
         let along = vector / length.max(1e-6);
         let face = stub.part as f32 * length;
+        if self.is_dashes(&stub.bond) {
+            return self.dashed_stub(&stub.bond, start, along, [length, face], id, push);
+        }
         self.between(&stub.bond, start + vector, id, |stick| {
             let [from, to] = [stick.a, stick.b].map(|p| (Vec3::from(p) - start).dot(along));
             if from >= face {
@@ -167,6 +175,27 @@ impl Artist<'_> {
             if face > middle {
                 push(CylinderInstance { a: point(middle), b: point(face), color_a: stick.color_b, caps, ..stick });
             }
+        });
+    }
+
+    /// Dashes from a ball to where a bond of this length is cut: whole ones, the last of which ends there, each in the colour
+    /// of the half of the bond that it is in.
+    fn dashed_stub(
+        &self,
+        bond: &Bond,
+        start: Vec3,
+        along: Vec3,
+        [length, face]: [f32; 2],
+        id: u32,
+        mut push: impl FnMut(CylinderInstance),
+    ) {
+        let Some(radius) = self.style.stick_radius(bond.kind) else { return };
+        let [near, far] = [bond.a, bond.b].map(|atom| self.colors[atom as usize]);
+        let template = CylinderInstance { id, radius, color_a: near, color_b: near, ..bytemuck::Zeroable::zeroed() };
+        self.dashed(start, bond.a, start + along * face, None, template, |dash| {
+            let middle = (0.5 * (Vec3::from(dash.a) + Vec3::from(dash.b)) - start).dot(along);
+            let color = if middle > 0.5 * length { far } else { near };
+            push(CylinderInstance { color_a: color, color_b: color, ..dash });
         });
     }
 
@@ -262,6 +291,26 @@ mod tests {
         }
         builder.push_bond(Bond { kind, ..Bond::new(0, 1, BondOrder::Single, BondSource::File) });
         builder.build(&mut Diagnostics::default())
+    }
+
+    #[test]
+    fn a_cut_row_of_dashes_has_whole_ones_up_to_the_face() {
+        let structure = pair(BondKind::Hydrogen);
+        for part in [0.4, 0.7] {
+            let bond = structure.bonds()[0];
+            let stubs = [Stub { bond, vector: DVec3::new(0.0, 2.9, 0.0), part }];
+            let alone = structure.clone().with_bonds(Vec::new());
+            let block = build(&Item { stubs: &stubs, ..Item::of(&alone) }, &SceneOptions::default());
+            let lengths: Vec<f32> = block.cylinders.iter().map(|dash| dash.b[1] - dash.a[1]).collect();
+            assert!(
+                lengths.len() > 1 && lengths.iter().all(|length| (length - lengths[0]).abs() < 1e-4),
+                "{lengths:?}"
+            );
+            let last = block.cylinders[lengths.len() - 1];
+            assert!((f64::from(last.b[1]) - 2.9 * part).abs() < 1e-4);
+            assert!(block.cylinders.iter().all(|dash| dash.color_a == dash.color_b));
+            assert_eq!(last.color_a == block.cylinders[0].color_a, part < 0.5);
+        }
     }
 
     #[test]

@@ -1,6 +1,9 @@
 //! How importers fill a [`Structure`]: atom by atom, then frames, then bonds.
 
 mod append;
+mod columns;
+
+pub(crate) use columns::AtomColumns;
 
 use super::names::RecentNames;
 use super::positions::Points;
@@ -134,10 +137,15 @@ impl StructureBuilder {
         self.decimals = decimals.min(Positions::MAX_DECIMALS);
     }
 
-    /// Room for some more atoms with names and residues, so that the columns need not be moved as they grow.
-    pub fn reserve(&mut self, atoms: usize) {
+    /// Room for some more atoms of nothing but elements and positions.
+    pub fn reserve_positions(&mut self, atoms: usize) {
         self.element.reserve(atoms);
         self.points.reserve(atoms);
+    }
+
+    /// Room for some more atoms with names and residues, so that the columns need not be moved as they grow.
+    pub fn reserve(&mut self, atoms: usize) {
+        self.reserve_positions(atoms);
         self.atom_name.reserve(atoms);
         self.residue_of_atom.reserve(atoms);
     }
@@ -168,6 +176,10 @@ impl StructureBuilder {
     pub fn begin_residue(&mut self, chain: &str, number: i32, insertion_code: u8, name: &str) {
         let index = self.element.len();
         self.name_atoms_without_residue(index);
+        self.begin_residue_at(index, chain, number, insertion_code, name);
+    }
+
+    fn begin_residue_at(&mut self, index: usize, chain: &str, number: i32, insertion_code: u8, name: &str) {
         let name = self.intern(name);
         let chain = self.intern(chain);
         let chain = self.chain_index(chain);

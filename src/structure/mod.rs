@@ -10,17 +10,21 @@ mod builder;
 mod cell;
 mod component;
 mod diagnostic;
+mod expand;
 mod gather;
 mod names;
 mod positions;
 mod symmetry;
 
 pub use bond::{Bond, BondKind, BondOrder, BondSource, StatedBonds};
+pub(crate) use builder::AtomColumns;
 pub use builder::{AtomRecord, StructureBuilder};
 pub use cell::Cell;
 pub use component::{ComponentBond, ComponentBonds};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub(crate) use expand::apply_symmetry;
 pub use names::{NameId, Names};
+pub(crate) use positions::Points;
 pub use positions::Positions;
 pub use symmetry::{Symmetry, SymmetryOperation};
 

@@ -5,6 +5,7 @@
 //! it can be written back digit for digit.
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 /// Positions of all atoms in ångström.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -80,54 +81,110 @@ impl Positions {
 
 /// Positions as they are read, which become [`Positions`] in the memory they are in: a file of nothing but positions
 /// takes at its peak what the f64 take, not that and the result.
+///
+/// They lie in pieces, so that neither growing nor putting parts together moves any, and all cores share the rest.
 #[derive(Debug, Default)]
-pub(super) struct Points {
-    /// The bits of each position in two halves, so that either half has room for a position in f32.
-    halves: Vec<[u32; 3]>,
+pub(crate) struct Points {
+    /// The pieces that are done.
+    full: Vec<Piece>,
+    /// The one that grows.
+    open: Piece,
+}
+
+/// The bits of each position in two halves, so that either half has room for a position in f32.
+type Piece = Vec<[u32; 3]>;
+
+/// Positions of a piece (chosen: 1.5 MB, so that a million atoms are some for each core).
+const PIECE: usize = 1 << 16;
+/// Parts of fewer positions are copied, so that many small ones do not become many small pieces (chosen).
+const SMALL: usize = 1 << 12;
+
+#[inline]
+fn halves(point: DVec3) -> [[u32; 3]; 2] {
+    bytemuck::cast(point.to_array())
+}
+
+#[inline]
+fn whole(halves: [[u32; 3]; 2]) -> DVec3 {
+    DVec3::from_array(bytemuck::cast(halves))
 }
 
 impl Points {
-    pub(super) fn len(&self) -> usize {
-        self.halves.len() / 2
-    }
-
     pub(super) fn reserve(&mut self, points: usize) {
-        self.halves.reserve(points.saturating_mul(2));
+        self.open.reserve(2 * points.min(PIECE));
     }
 
     #[inline]
     pub(super) fn push(&mut self, point: DVec3) {
-        let halves: [[u32; 3]; 2] = bytemuck::cast(point.to_array());
-        self.halves.extend_from_slice(&halves);
+        if self.open.len() >= 2 * PIECE {
+            self.close();
+        }
+        self.open.extend_from_slice(&halves(point));
     }
 
-    pub(super) fn append(&mut self, other: &Points) {
-        self.halves.extend_from_slice(&other.halves);
+    #[cold]
+    fn close(&mut self) {
+        let next = Vec::with_capacity(2 * PIECE);
+        self.full.push(std::mem::replace(&mut self.open, next));
     }
 
-    #[inline]
-    fn get(&self, index: usize) -> DVec3 {
-        let halves = [self.halves[2 * index], self.halves[2 * index + 1]];
-        DVec3::from_array(bytemuck::cast(halves))
+    pub(super) fn append(&mut self, mut other: Points) {
+        if other.full.is_empty() && other.open.len() < 2 * SMALL && self.open.len() < 2 * PIECE {
+            self.open.extend_from_slice(&other.open);
+            return;
+        }
+        if !self.open.is_empty() {
+            self.full.push(std::mem::take(&mut self.open));
+        }
+        self.full.append(&mut other.full);
+        self.open = other.open;
+    }
+
+    /// So many positions, some at a time by all cores: `fill` is told the number of the first one and where to write them.
+    /// `None` as soon as it returns `false`.
+    pub(crate) fn filled(count: usize, fill: impl Fn(usize, &mut [DVec3]) -> bool + Sync) -> Option<Points> {
+        let piece = |number: usize| {
+            let from = number * PIECE;
+            let to = count.min(from + PIECE);
+            let mut piece = Vec::with_capacity(2 * (to - from));
+            let mut some = [DVec3::ZERO; 256];
+            for first in (from..to).step_by(some.len()) {
+                let some = &mut some[..(to - first).min(256)];
+                if !fill(first, some) {
+                    return None;
+                }
+                some.iter().for_each(|&point| piece.extend_from_slice(&halves(point)));
+            }
+            Some(piece)
+        };
+        let full = (0..count.div_ceil(PIECE)).into_par_iter().map(piece).collect::<Option<_>>()?;
+        Some(Points { full, open: Vec::new() })
     }
 
     /// Replaces each; `false` at the first that `keeps` does not hold for.
     pub(super) fn map(&mut self, map: impl Fn(DVec3) -> DVec3, keeps: impl Fn(DVec3) -> bool) -> bool {
-        (0..self.len()).all(|index| {
-            let point = map(self.get(index));
-            let halves: [[u32; 3]; 2] = bytemuck::cast(point.to_array());
-            self.halves[2 * index..2 * index + 2].copy_from_slice(&halves);
+        self.full.iter_mut().chain([&mut self.open]).flat_map(|piece| piece.as_chunks_mut().0).all(|both| {
+            let point = map(whole(*both));
+            *both = halves(point);
             keeps(point)
         })
     }
 
     /// As [`Positions::from_f64`].
-    pub(super) fn into_positions(mut self, decimals: u8) -> (Positions, bool) {
+    pub(super) fn into_positions(self, decimals: u8) -> (Positions, bool) {
         let decimals = decimals.min(Positions::MAX_DECIMALS);
-        let count = self.len();
-        let (low, high) = (0..count)
-            .map(|index| self.get(index))
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), point| (low.min(point), high.max(point)));
+        let Points { full: mut pieces, open } = self;
+        pieces.push(open);
+        let count = pieces.iter().map(Vec::len).sum::<usize>() / 2;
+        let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let wider = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+        let bounds_of = |piece: &Piece| {
+            piece.as_chunks().0.iter().map(|&both| whole(both)).fold(none, |all, point| wider(all, (point, point)))
+        };
+        let (low, high) = match pieces.as_slice() {
+            [only] => bounds_of(only),
+            pieces => pieces.par_iter().map(bounds_of).reduce(|| none, wider),
+        };
         let centre = if count == 0 { DVec3::ZERO } else { (low + high) * 0.5 };
         let origin = (centre / 1024.0).round() * 1024.0;
         let reach = if count == 0 { 0.0 } else { (low - origin).abs().max((high - origin).abs()).max_element() };
@@ -136,25 +193,66 @@ impl Points {
         let fits_f32 = steps < 2f64.powi(23);
         // Only a molecule spread over thousands of ångström about its origin can lose what f64 held.
         let half_unit = 0.5 * 10f64.powi(-i32::from(decimals));
-        let mut lost = false;
-        let mut fine = Vec::with_capacity(if fits_f32 { 0 } else { count });
-        for index in 0..count {
-            let point = self.get(index);
-            let coarse = (point - origin).as_vec3();
-            if !fits_f32 {
-                let rest = point - origin - coarse.as_dvec3();
-                let kept = origin + (coarse.as_dvec3() + rest);
-                lost |= (kept - point).abs().max_element() >= half_unit;
-                fine.push(rest);
-            }
-            // What stood here was read before.
-            self.halves[index] = bytemuck::cast(coarse.to_array());
-        }
-        self.halves.truncate(count);
-        self.halves.shrink_to_fit();
-        let coarse: Vec<Vec3> = bytemuck::allocation::cast_vec(self.halves);
+        let narrow = |piece: Piece| narrowed(piece, origin, (!fits_f32).then_some(half_unit));
+        let narrow_all = |pieces: Vec<Piece>| -> Vec<Narrowed> { pieces.into_par_iter().map(narrow).collect() };
+        let mut narrow_pieces = match <[Piece; 1]>::try_from(pieces) {
+            Ok([only]) => vec![narrow(only)],
+            Err(pieces) => narrow_all(pieces),
+        };
+        let lost = narrow_pieces.iter().any(|piece| piece.lost);
+        let fine: Vec<DVec3> = match narrow_pieces.as_mut_slice() {
+            [only] => std::mem::take(&mut only.fine),
+            pieces => pieces.iter_mut().flat_map(|piece| std::mem::take(&mut piece.fine)).collect(),
+        };
+        let coarse = joined(narrow_pieces.into_iter().map(|piece| piece.coarse).collect(), count);
         (Positions { origin, coarse, fine, decimals }, lost)
     }
+}
+
+/// A piece about an origin.
+struct Narrowed {
+    coarse: Vec<Vec3>,
+    fine: Vec<DVec3>,
+    lost: bool,
+}
+
+/// A piece in f32, in its own memory; with `half_unit`, half of the last written digit's unit, what f32 does not hold beside it.
+fn narrowed(mut piece: Piece, origin: DVec3, half_unit: Option<f64>) -> Narrowed {
+    let count = piece.len() / 2;
+    let mut lost = false;
+    let mut fine = Vec::with_capacity(if half_unit.is_some() { count } else { 0 });
+    for index in 0..count {
+        let point = whole([piece[2 * index], piece[2 * index + 1]]);
+        let coarse = (point - origin).as_vec3();
+        if let Some(half_unit) = half_unit {
+            let rest = point - origin - coarse.as_dvec3();
+            let kept = origin + (coarse.as_dvec3() + rest);
+            lost |= (kept - point).abs().max_element() >= half_unit;
+            fine.push(rest);
+        }
+        // What stood here was read before.
+        piece[index] = bytemuck::cast(coarse.to_array());
+    }
+    piece.truncate(count);
+    piece.shrink_to_fit();
+    Narrowed { coarse: bytemuck::allocation::cast_vec(piece), fine, lost }
+}
+
+/// Pieces one behind the other; each is freed once it is copied.
+fn joined(mut pieces: Vec<Vec<Vec3>>, count: usize) -> Vec<Vec3> {
+    if let [only] = pieces.as_mut_slice() {
+        return std::mem::take(only);
+    }
+    let mut all: Vec<Vec3> = bytemuck::allocation::zeroed_vec(count);
+    let mut rest = all.as_mut_slice();
+    let mut places = Vec::with_capacity(pieces.len());
+    for piece in pieces {
+        let Some((place, behind)) = std::mem::take(&mut rest).split_at_mut_checked(piece.len()) else { break };
+        places.push((place, piece));
+        rest = behind;
+    }
+    places.into_par_iter().for_each(|(place, piece)| place.copy_from_slice(&piece));
+    all
 }
 
 #[cfg(test)]
@@ -208,6 +306,35 @@ mod tests {
     fn only_long_numbers_pay_for_their_digits() {
         assert!(Positions::from_f64(&[DVec3::splat(12.345)], 3).0.fine.is_empty());
         assert!(!Positions::from_f64(&[DVec3::splat(12.345_678_9)], 7).0.fine.is_empty());
+    }
+
+    #[test]
+    fn pieces_and_parts_are_the_whole() {
+        let point =
+            |n: usize| DVec3::new((n % 4000) as f64 * 0.25, -((n % 999) as f64), 0.123_456_789_01 * (n % 77) as f64);
+        let points: Vec<DVec3> = (0..3 * PIECE + 5).map(point).collect();
+        for decimals in [2, 11] {
+            let whole = Positions::from_f64(&points, decimals);
+            assert_eq!(whole.0.fine.is_empty(), decimals == 2);
+            assert!((0..points.len()).step_by(997).all(|n| (whole.0.get(n) - points[n]).length() < 0.01));
+            for cuts in [&[0, 1, 2 * SMALL][..], &[PIECE + 3, PIECE + 9], &[SMALL - 1, 2 * PIECE, 3 * PIECE + 4]] {
+                let mut all = Points::default();
+                let mut from = 0;
+                for &to in cuts.iter().chain([&points.len()]) {
+                    let mut part = Points::default();
+                    points[from..to].iter().for_each(|&point| part.push(point));
+                    all.append(part);
+                    from = to;
+                }
+                assert!(all.into_positions(decimals) == whole, "{cuts:?}");
+            }
+            let fill = |first: usize, some: &mut [DVec3]| {
+                some.iter_mut().enumerate().for_each(|(n, slot)| *slot = point(first + n));
+                true
+            };
+            assert!(Points::filled(points.len(), fill).unwrap().into_positions(decimals) == whole);
+        }
+        assert!(Points::filled(3 * PIECE, |first, _| first < 2 * PIECE).is_none());
     }
 
     #[test]

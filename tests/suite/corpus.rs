@@ -4,12 +4,13 @@
 //! files they speak of. Unset, the tests print SKIP. Where the readers behind the truth disagree, [`DECIDED`] says
 //! what we hold right, and why.
 
+use crate::files;
 use ballstick::Error;
 use ballstick::import::{Document, Format, ImportOptions, read_path};
 use ballstick::structure::{BondKind, BondSource, Severity, StatedBonds, Structure};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// File, what, our number, reason.
 const DECIDED: [(&str, &str, u64, &str); 1] = [(
@@ -37,16 +38,6 @@ const NOTHING_TO_SAY: [(&str, &str); 2] = [
 /// Good files with a truth that says nothing of them, with the reason.
 const NOT_KNOWN: [(&str, &str); 1] =
     [("components.cif", "none of the readers behind the truth reads the `_chem_comp_atom` of its three records")];
-
-fn folder(name: &str) -> Option<PathBuf> {
-    match std::env::var_os("BALLSTICK_CORPUS") {
-        Some(root) => Some(Path::new(&root).join(name)),
-        None => {
-            println!("SKIP: BALLSTICK_CORPUS is not set");
-            None
-        }
-    }
-}
 
 fn rows(folder: &Path) -> Vec<Value> {
     let text = std::fs::read_to_string(folder.join("truth.jsonl")).expect("the corpus has a truth.jsonl");
@@ -142,7 +133,7 @@ fn compare(row: &Value, file: &str, document: &Document, differences: &mut Diffe
 
 #[test]
 fn good_files_hold_what_independent_readers_find() {
-    let Some(folder) = folder("good") else { return };
+    let Some(folder) = files::corpus("good") else { return };
     let mut differences = Differences(Vec::new());
     let mut compared = 0;
     for row in rows(&folder) {
@@ -163,7 +154,7 @@ fn good_files_hold_what_independent_readers_find() {
 
 #[test]
 fn bad_files_are_refused_or_read_in_part() {
-    let Some(folder) = folder("bad") else { return };
+    let Some(folder) = files::corpus("bad") else { return };
     let (mut compared, mut wrong) = (0, Vec::new());
     for row in rows(&folder) {
         let file = row["file"].as_str().expect("every row names its file");

@@ -1,20 +1,26 @@
 //! The integration tests: one binary, since wgpu links slowly.
 //!
 //! Where a new test goes: what one module does is tested beside its code; what several do together here, by topic.
-//! `layering` the order of the modules and the size of files; `corpus` real files with independent truth; `mmcif` CIF written and read again; `bad_input` truncated
+//! `layering` the order of the modules and the size of files; `corpus` real files with independent truth; `bond_tables` our bonds beside those of toolkits; `perceive` listed bonds found
+//! again from the positions alone; `ligands` residues beside the component dictionary; `crystals` of proteins; `files` what these run over; `mmcif` CIF written and read again; `bad_input` truncated
 //! and corrupted ones; `roundtrip` written and read again; `schema` our JSON and its schema; `golden` small pictures, one idea each; `parity` CPU against GPU; `shaders` WGSL without a GPU; `cli` the program
 //! as a user runs it; `window` the window under a virtual display.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod bad_input;
+mod bond_tables;
 mod cli;
 mod corpus;
+mod crystals;
+mod files;
 mod golden;
 mod layering;
+mod ligands;
 mod mmcif;
 #[cfg(feature = "gpu")]
 mod parity;
+mod perceive;
 mod roundtrip;
 mod scenes;
 mod schema;

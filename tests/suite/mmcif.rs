@@ -1,25 +1,14 @@
 //! mmCIF out and in again: every molecule of `data/` and the corpus, with all its bonds and with those its file states.
 
+use crate::files;
 use ballstick::bonds::{self, BondMode, BondOptions};
 use ballstick::export::mmcif;
 use ballstick::import::{ImportOptions, read_bytes, read_path};
-use ballstick::structure::{Bond, BondKind, BondSource, Structure};
+use ballstick::structure::{Bond, BondKind, BondSource, StatedBonds, Structure};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
 
 /// Larger files are left out: each is written and read twice.
 const MAX_BYTES: u64 = 3 << 20;
-
-fn molecules() -> Vec<PathBuf> {
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("data")];
-    match std::env::var_os("BALLSTICK_CORPUS") {
-        Some(root) => folders.push(Path::new(&root).join("good")),
-        None => println!("SKIP of the corpus: BALLSTICK_CORPUS is not set"),
-    }
-    let entries = folders.iter().flat_map(|folder| std::fs::read_dir(folder).expect("the folder is there").flatten());
-    let fits = |entry: &std::fs::DirEntry| entry.metadata().is_ok_and(|data| data.is_file() && data.len() <= MAX_BYTES);
-    entries.filter(fits).map(|entry| entry.path()).collect()
-}
 
 /// Covalent and coordination bonds by their atoms, those under residue names included.
 fn pairs(structure: &Structure) -> BTreeMap<(u32, u32), (BondKind, u8, bool)> {
@@ -132,16 +121,62 @@ fn differences(name: &str, want: &Structure, got: &Structure, wrong: &mut Vec<St
     }
 }
 
+/// The kinds of all bonds but hydrogen bonds and those to images, with the orders of the covalent ones.
+fn kinds(structure: &Structure) -> BTreeMap<(u32, u32), (BondKind, u8)> {
+    let kind = |bond: &Bond| match bond.kind {
+        BondKind::Covalent => (bond.kind, bond.order.number()),
+        // Which of the two it is, no row says.
+        BondKind::Dative => (BondKind::Coordination, 0),
+        kind => (kind, 0),
+    };
+    let bonds = structure.bonds().iter().filter(|bond| !bond.is_periodic() && bond.kind != BondKind::Hydrogen);
+    bonds.map(|bond| ((bond.a, bond.b), kind(bond))).collect()
+}
+
+#[test]
+fn complexes_of_metals_keep_the_kinds_of_their_bonds() {
+    let (mut compared, mut wrong) = (0, Vec::new());
+    for path in files::molecules(MAX_BYTES) {
+        let Ok(document) = read_path(&path, &ImportOptions::default()) else { continue };
+        for (number, record) in document.records.iter().enumerate() {
+            if (mmcif::FORMAT.limits)(record).iter().any(|phrase| phrase.contains("without any partner")) {
+                continue; // said to be lost
+            }
+            let has_metal = record.elements().iter().any(|element| element.is_metal());
+            if record.stated_bonds() != StatedBonds::Complete || !has_metal || record.atom_count() > 2000 {
+                continue;
+            }
+            let mut bytes = Vec::new();
+            mmcif::write(std::slice::from_ref(record), &mut bytes).expect("a vector takes everything");
+            let back = read_bytes(&bytes, "a.cif", &ImportOptions::default()).unwrap();
+            let back = bonds::assign(back.records[0].clone(), &BondOptions::default());
+            let (want, got) = (kinds(record), kinds(&back));
+            let differ = want.keys().chain(got.keys()).find(|pair| want.get(pair) != got.get(pair));
+            compared += 1;
+            if let Some(pair) = differ {
+                let name = files::name(&path);
+                wrong.push(format!("{name} {number}: bond {pair:?}: {:?} became {:?}", want.get(pair), got.get(pair)));
+            }
+        }
+    }
+    println!("compared {compared} complexes");
+    if compared == 0 {
+        println!("SKIP: no complex of `data/` lists its bonds");
+    }
+    assert!(compared > 0 || files::corpus("good").is_none(), "nothing was compared");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 #[test]
 fn what_is_written_is_read_back() {
     let (mut compared, mut wrong) = (0, Vec::new());
-    for path in molecules() {
+    for path in files::molecules(MAX_BYTES) {
         let Ok(document) = read_path(&path, &ImportOptions::default()) else { continue };
         if document.records.iter().map(Structure::atom_count).sum::<usize>() > 60_000 {
             continue;
         }
         for mode in [BondMode::Auto, BondMode::File] {
-            let name = format!("{} ({})", path.file_name().unwrap_or_default().to_string_lossy(), mode.name());
+            let name = format!("{} ({})", files::name(&path), mode.name());
             let options = BondOptions { mode, ..BondOptions::default() };
             let records: Vec<Structure> =
                 document.records.iter().take(8).map(|record| bonds::assign(record.clone(), &options)).collect();

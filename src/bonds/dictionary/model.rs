@@ -1,34 +1,113 @@
-//! What is usual in a component, and the streams that hold what is not.
+//! What is usual in a component: the contexts of its symbols, and guesses of its names.
 
 use super::{AtomName, DictionaryBond};
 use crate::element::Element;
 use crate::structure::BondOrder;
 
-/// The streams of a block. All are varints, but for those of bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Stream {
-    /// Bytes. Ids: four bits of how many bytes are as before, four of how many follow, these.
-    Id,
-    /// The number of atoms.
-    Count,
-    /// Elements ([`element_code`]), two bytes a run: which, and how many atoms in a row.
-    Element,
-    /// How many atoms the partner of a hydrogen is after that of the hydrogen before (zigzag), plus one.
-    Parent,
-    /// Bonds to earlier atoms: three bits of order, above them how many atoms back.
-    Bond,
-    /// Bytes. Which guess of [`Namer`] is the name, from 1; 0 for none.
-    NameGuess,
-    /// Bytes. The lower half of the name's number.
-    NameLow,
-    /// Bytes. The upper half of the name's number.
-    NameHigh,
-    /// How many atoms have a charge, then for each its number and the charge (zigzag).
-    Charge,
+/// What was met of a component, from which follows how probable is what comes: the contexts of its symbols.
+#[derive(Debug, Default)]
+pub(super) struct Contexts {
+    /// Codes of the last two elements.
+    elements: [u8; 2],
+    /// The last two numbers of [`Contexts::parent`].
+    parents: [u16; 2],
+    /// The last number of [`Contexts::bond`].
+    bond: u16,
+    /// The last two guesses.
+    guesses: [u8; 2],
+    /// The parent's number of this atom, 0 if it has none.
+    usual: u16,
 }
 
-impl Stream {
-    pub(super) const COUNT: usize = 9;
+/// Classes of elements: none or X, hydrogen, carbon, nitrogen, oxygen, phosphorus, sulfur, all others.
+const CLASSES: usize = 8;
+/// Numbers of parents that are told apart: the last one, and the one before that. These and those below are chosen: more
+/// make the frequencies longer than they make the components shorter.
+const PARENTS: [usize; 2] = [16, 8];
+/// Numbers of bonds that are told apart.
+const BONDS: usize = 32;
+/// The guesses of [`Namer`], and none.
+const GUESSES: usize = Namer::GUESSES as usize + 1;
+/// Numbers of parents that are told apart for names.
+const USUAL: usize = 4;
+
+const ELEMENT: usize = Contexts::CHARGE + 1;
+const PARENT: usize = ELEMENT + 256 * CLASSES;
+const BOND: usize = PARENT + PARENTS[0] * PARENTS[1];
+const GUESS: usize = BOND + CLASSES * CLASSES * BONDS;
+const NAME: usize = GUESS + CLASSES * GUESSES * GUESSES * USUAL;
+
+fn class(code: u8) -> usize {
+    match code {
+        0 => 0,
+        1 | DEUTERIUM => 1,
+        6 => 2,
+        7 => 3,
+        8 => 4,
+        15 => 5,
+        16 => 6,
+        _ => 7,
+    }
+}
+
+impl Contexts {
+    /// The number of atoms.
+    pub(super) const COUNT: usize = 0;
+    /// How many atoms have a charge, then for each its number and the charge (zigzag).
+    pub(super) const CHARGES: usize = 1;
+    pub(super) const CHARGED: usize = 2;
+    pub(super) const CHARGE: usize = 3;
+    /// How many contexts there are.
+    pub(super) const ALL: usize = NAME + CLASSES;
+
+    /// Of an element ([`element_of`]), the first symbol of an atom.
+    pub(super) fn element(&self) -> usize {
+        ELEMENT + usize::from(self.elements[0]) * CLASSES + class(self.elements[1])
+    }
+
+    pub(super) fn met_element(&mut self, code: u8) {
+        self.elements = [code, self.elements[0]];
+        self.usual = 0;
+    }
+
+    /// Of a hydrogen's partner: 0 if it is not as usual, else how many atoms it is after that of the hydrogen before
+    /// (zigzag), plus one.
+    pub(super) fn parent(&self) -> usize {
+        let [last, before] = self.parents.map(usize::from);
+        PARENT + last.min(PARENTS[0] - 1) * PARENTS[1] + before.min(PARENTS[1] - 1)
+    }
+
+    pub(super) fn met_parent(&mut self, number: u16) {
+        self.parents = [number, self.parents[0]];
+        self.usual = number;
+    }
+
+    /// Of bonds to earlier atoms: three bits of order, above them how many atoms back; or, where it is not one, first of
+    /// all how many, above three bits of zero.
+    pub(super) fn bond(&self) -> usize {
+        let [this, before] = self.elements.map(class);
+        BOND + (this * CLASSES + before) * BONDS + usize::from(self.bond).min(BONDS - 1)
+    }
+
+    pub(super) fn met_bond(&mut self, number: u16) {
+        self.bond = number;
+    }
+
+    /// Of which guess of [`Namer`] is the name, from 1; 0 for none.
+    pub(super) fn guess(&self) -> usize {
+        let [last, before] = self.guesses.map(|guess| usize::from(guess).min(GUESSES - 1));
+        let names = (class(self.elements[0]) * GUESSES + last) * GUESSES + before;
+        GUESS + names * USUAL + usize::from(self.usual).min(USUAL - 1)
+    }
+
+    pub(super) fn met_guess(&mut self, guess: u8) {
+        self.guesses = [guess, self.guesses[0]];
+    }
+
+    /// Of a name that was not guessed: its place in the list of names.
+    pub(super) fn name(&self) -> usize {
+        NAME + class(self.elements[0])
+    }
 }
 
 /// The code of an element: its atomic number, 0 for X, and deuterium.
@@ -50,23 +129,23 @@ pub(super) fn element_code(element: Element, deuterium: bool) -> u8 {
 }
 
 /// 0, −1, 1, −2, … for 0, 1, 2, 3, …
-pub(super) fn unzigzag(number: u64) -> i64 {
-    ((number >> 1) as i64) ^ -((number & 1) as i64)
+pub(super) fn unzigzag(number: u16) -> i32 {
+    i32::from(number >> 1) ^ -i32::from(number & 1)
 }
 
 /// The inverse of [`unzigzag`].
 #[cfg(test)]
-pub(super) fn zigzag(number: i64) -> u64 {
-    ((number << 1) ^ (number >> 63)) as u64
+pub(super) fn zigzag(number: i32) -> u16 {
+    u16::try_from((number << 1) ^ (number >> 31)).expect("a small number")
 }
 
 /// Orders of bonds, 1 and up: single, double, triple, and the same aromatic.
 const ORDERS: [BondOrder; 3] = [BondOrder::Single, BondOrder::Double, BondOrder::Triple];
 
-/// The bond of an atom that a number in [`Stream::Bond`] stands for.
-pub(super) fn bond(atom: u16, number: u64) -> Option<DictionaryBond> {
+/// The bond of an atom that a number of [`Contexts::bond`] stands for.
+pub(super) fn bond(atom: u16, number: u16) -> Option<DictionaryBond> {
     let kind = (number & 7) as usize;
-    let back = u16::try_from(number >> 3).ok()?;
+    let back = number >> 3;
     let order = *ORDERS.get(kind.checked_sub(1)? % 3)?;
     let a = atom.checked_sub(back).filter(|_| back > 0)?;
     (kind <= 6).then_some(DictionaryBond { a, b: atom, order, aromatic: kind > 3 })
@@ -74,69 +153,8 @@ pub(super) fn bond(atom: u16, number: u64) -> Option<DictionaryBond> {
 
 /// The inverse of [`bond`].
 #[cfg(test)]
-pub(super) fn bond_number(bond: &DictionaryBond) -> u64 {
-    u64::from(bond.b - bond.a) << 3 | u64::from(bond.order.number() + 3 * u8::from(bond.aromatic))
-}
-
-/// Reads the streams of a block.
-pub(super) struct Reader<'a> {
-    streams: [&'a [u8]; Stream::COUNT],
-    /// Components of the block.
-    pub(super) count: u64,
-    /// The run of elements being read: code, and how many are left.
-    run: (u8, u8),
-}
-
-impl<'a> Reader<'a> {
-    /// Finds the streams; `None` if the lengths do not fit.
-    pub(super) fn new(mut bytes: &'a [u8]) -> Option<Reader<'a>> {
-        let count = varint(&mut bytes)?;
-        let mut lengths = [0; Stream::COUNT];
-        for length in &mut lengths {
-            *length = usize::try_from(varint(&mut bytes)?).ok()?;
-        }
-        let mut streams: [&[u8]; Stream::COUNT] = [&[]; Stream::COUNT];
-        for (stream, length) in streams.iter_mut().zip(lengths) {
-            (*stream, bytes) = bytes.split_at_checked(length)?;
-        }
-        Some(Reader { streams, count, run: (0, 0) })
-    }
-
-    /// The next byte of a stream.
-    pub(super) fn byte(&mut self, stream: Stream) -> Option<u8> {
-        let stream = &mut self.streams[stream as usize];
-        let (&byte, rest) = stream.split_first()?;
-        *stream = rest;
-        Some(byte)
-    }
-
-    /// The next varint of a stream.
-    pub(super) fn number(&mut self, stream: Stream) -> Option<u64> {
-        varint(&mut self.streams[stream as usize])
-    }
-
-    /// The code of the next atom's element.
-    pub(super) fn element(&mut self) -> Option<u8> {
-        if self.run.1 == 0 {
-            self.run = (self.byte(Stream::Element)?, self.byte(Stream::Element)?.checked_sub(1)?);
-        } else {
-            self.run.1 -= 1;
-        }
-        Some(self.run.0)
-    }
-}
-
-fn varint(bytes: &mut &[u8]) -> Option<u64> {
-    let mut number = 0;
-    for shift in (0..63).step_by(7) {
-        let (&byte, rest) = bytes.split_first()?;
-        *bytes = rest;
-        number |= u64::from(byte & 127) << shift;
-        if byte < 128 {
-            return Some(number);
-        }
-    }
-    None
+pub(super) fn bond_number(bond: &DictionaryBond) -> u16 {
+    (bond.b - bond.a) << 3 | u16::from(bond.order.number() + 3 * u8::from(bond.aromatic))
 }
 
 /// Guesses the names of a component's atoms, one after the other.

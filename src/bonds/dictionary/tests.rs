@@ -1,4 +1,5 @@
 use super::*;
+use std::io::Read;
 use std::path::PathBuf;
 
 fn embedded() -> &'static Dictionary<'static> {
@@ -24,16 +25,12 @@ fn text_of_the_dictionary() -> Option<String> {
 }
 
 fn all(dictionary: &Dictionary<'_>) -> Vec<(String, Component)> {
-    let mut out = Vec::new();
-    for block in 0..dictionary.index.len() / INDEX_BYTES {
-        let read = dictionary.read_block(block, |id, component| {
-            let id = String::from_utf8(id.into_iter().filter(|&byte| byte != 0).collect()).unwrap();
-            out.push((id, std::mem::take(component)));
-            true
-        });
-        assert!(read.is_some(), "block {block}");
-    }
-    out
+    let one = |(number, entry): (usize, &[u8; INDEX_BYTES])| {
+        let id = String::from_utf8(id_of(entry).into_iter().filter(|&byte| byte != 0).collect()).unwrap();
+        let component = dictionary.read(number);
+        (id, component.unwrap_or_else(|| panic!("component {number} is damaged")))
+    };
+    dictionary.index.iter().enumerate().map(one).collect()
 }
 
 /// `BALLSTICK_CCD=ccd.txt cargo test --release make_the_dictionary -- --ignored` writes data/ccd.bin.
@@ -63,7 +60,7 @@ fn the_dictionary_holds_what_it_was_made_of() {
     let all = all(embedded());
     let atoms: usize = all.iter().map(|(_, component)| component.atoms.len()).sum();
     let bonds: usize = all.iter().map(|(_, component)| component.bonds.len()).sum();
-    assert_eq!((all.len(), atoms, bonds), (embedded().component_count, 2_315_717, 2_409_356));
+    assert_eq!((all.len(), atoms, bonds), (embedded().index.len(), 2_315_717, 2_409_356));
     assert!(all.is_sorted_by(|a, b| a.0 < b.0));
     // FNV-1a over names, elements, charges and bonds.
     let mut sum = 0xcbf2_9ce4_8422_2325u64;

@@ -40,8 +40,10 @@ pub(super) fn find(graph: &Graph<'_>, rings: &[Ring], orders: &Orders<'_>) -> Ve
     let count = |atoms: &[u32]| atoms.iter().filter_map(|&atom| gives(atom)).map(u32::from).sum::<u32>();
     let mut found: Vec<Vec<u32>> = Vec::new();
     let mut is_aromatic = vec![false; candidates.len()];
+    // Of lone pairs alone nothing is shared: P₃, S₃, As₅ are chains of single bonds.
+    let is_conjugated = |atoms: &[u32]| atoms.iter().any(|&atom| gives(atom) != Some(2));
     for (ring, is_aromatic) in candidates.iter().zip(&mut is_aromatic) {
-        if count(&ring.atoms) % 4 == 2 {
+        if count(&ring.atoms) % 4 == 2 && is_conjugated(&ring.atoms) {
             *is_aromatic = true;
             found.push(ring.bonds.clone());
         }
@@ -62,7 +64,7 @@ pub(super) fn find(graph: &Graph<'_>, rings: &[Ring], orders: &Orders<'_>) -> Ve
             let mut atoms: Vec<u32> = outline.iter().flat_map(|&bond| ends(graph, bond)).collect();
             atoms.sort_unstable();
             atoms.dedup();
-            atoms.len() <= LARGEST_OUTLINE && count(&atoms) % 4 == 2
+            atoms.len() <= LARGEST_OUTLINE && count(&atoms) % 4 == 2 && is_conjugated(&atoms)
         }) {
             for &bond in &outline {
                 done[bond as usize] = true;

@@ -7,8 +7,13 @@ use super::rings::Ring;
 use super::sites::{RingKinds, Site, is_flat_ring};
 use super::solve::Problem;
 use super::states::{self, MOST_NEIGHBOURS, State};
+use crate::element::Element;
 use rayon::prelude::*;
 
+/// How much shorter than a triple bond two atoms may be and still have more than one bond, in ångström: 3.5 times the error
+/// of a length from positions with errors of 0.03 Å. Nearer than that no bond of any order is: the positions are wrong
+/// (side chains built without density, as in PDB entry 4HHB, C–C from 0.58 Å), and say nothing of orders.
+const SHORTER: f32 = 0.15;
 /// How much longer than expected a double or triple bond may be, in ångström: 5 times the error of a length from
 /// positions with errors of 0.03 Å, and for aromatic rings, whose bonds lie between single and double, 0.08 Å more.
 const LONGER: f32 = 0.18;
@@ -52,9 +57,18 @@ impl<'a> Setup<'a> {
                 return 0;
             }
             let most = most[atom].min(most[other]).min(2);
+            let elements = [self.graph.elements[atom], self.graph.elements[other]];
+            // Carbon and sulfur share no three pairs in anything that keeps (thiolates that clash in a rough model would).
+            let is_thio = elements.contains(&Element::C) && elements.contains(&Element::S);
+            let most = if is_thio { most.min(1) } else { most };
             let longer = if is_flat_ring(self.kinds.bond(neighbour.bond)) { LONGER_IN_RING } else { LONGER };
             let length = self.graph.vector(atom, neighbour).length();
-            let (a, b) = (self.graph.elements[atom], self.graph.elements[other]);
+            let [a, b] = elements;
+            // Of heavier atoms the radii are good to 0.1 Å only: S=O has 1.43 Å for 1.51 Å.
+            let is_of_second_period = a.period() == 2 && b.period() == 2;
+            if self.graph.has_geometry() && is_of_second_period && length < lengths::expected(a, b, 3) - SHORTER {
+                return 0;
+            }
             (0..=most)
                 .rev()
                 .find(|&extra| {
@@ -223,7 +237,9 @@ impl<'s, 'a> Component<'s, 'a> {
         let state = |place: usize| self.states[place][usize::from(chosen[place])].0;
         let site_of = |atom: usize| self.setup.sites[atom];
         for (place, &atom) in self.atoms.iter().enumerate() {
-            features::of_atom(&self.setup.graph, &self.setup.kinds, &site_of, atom as usize, state(place), sink);
+            let graph = &self.setup.graph;
+            let atom = (atom as usize, features::opposite_angles(graph, atom as usize));
+            features::of_atom(graph, &self.setup.kinds, &site_of, atom, state(place), sink);
         }
         for (a, b, slot, _, pair) in &self.edges {
             let (one, other) = (state(*a as usize), state(*b as usize));
@@ -240,9 +256,10 @@ impl<'s, 'a> Component<'s, 'a> {
         let site_of = |atom: usize| self.setup.sites[atom];
         let mut problem = Problem::default();
         for (&atom, states) in self.atoms.iter().zip(&self.states) {
+            let atom = (atom as usize, features::opposite_angles(graph, atom as usize));
             let score = |&(state, cost): &(State, f32)| {
                 let mut score = -cost;
-                features::of_atom(graph, kinds, &site_of, atom as usize, state, &mut |feature, value| {
+                features::of_atom(graph, kinds, &site_of, atom, state, &mut |feature, value| {
                     score += weights.weight(feature) * value;
                 });
                 score
@@ -290,14 +307,19 @@ impl<'s, 'a> Component<'s, 'a> {
     }
 }
 
-/// The bond of a molecule of two atoms and nothing else (N₂, O₂, CO): the order whose expected length is nearest. Nothing
-/// in the statistics, which are of organic molecules, is like it.
+/// Degrees between metal, nitrogen and oxygen from which nitrosyl is linear, NO⁺ with a triple bond. Bent ones, NO⁻, have
+/// 120–140°, linear ones 160–180° (Enemark and Feltham, Coord. Chem. Rev. 1974, 13, 339).
+const LINEAR_NITROSYL_DEG: f32 = 150.0;
+
+/// The bond of a molecule of two atoms and nothing else (N₂, O₂, CO), free or on a metal (carbonyls, cyanides, nitrosyls):
+/// the order whose expected length is nearest. Nothing in the statistics, which are of organic molecules, is like it.
+/// Carbon monoxide between two metals or more has a double bond, as a ketone has, and nitric oxide on a metal that of its angle.
 fn diatomic(setup: &Setup<'_>, atoms: &[u32]) -> Option<(u32, u8)> {
     let &[a, b] = atoms else { return None };
     let graph = &setup.graph;
     let is_bare = |atom: u32| {
         let held = graph.held(atom as usize);
-        graph.degree(atom as usize) == 1 && held.hydrogens + held.metals + held.others == 0
+        graph.degree(atom as usize) == 1 && held.hydrogens + held.others == 0
     };
     if !is_bare(a) || !is_bare(b) || !graph.has_geometry() {
         return None;
@@ -305,7 +327,22 @@ fn diatomic(setup: &Setup<'_>, atoms: &[u32]) -> Option<(u32, u8)> {
     let next = graph.around(a as usize)[0];
     let length = graph.vector(a as usize, next).length();
     let elements = [a, b].map(|atom| graph.elements[atom as usize]);
-    let off = |order: u8| (length - lengths::expected(elements[0], elements[1], usize::from(order))).abs();
     let most = 1 + setup.limits[next.bond as usize];
+    let most = match elements {
+        [Element::C, Element::O] if graph.held(a as usize).metals > 1 => most.min(2),
+        [Element::O, Element::C] if graph.held(b as usize).metals > 1 => most.min(2),
+        _ => most,
+    };
+    let nitrogen = match elements {
+        [Element::N, Element::O] => Some(a as usize),
+        [Element::O, Element::N] => Some(b as usize),
+        _ => None,
+    };
+    if let Some((nitrogen, metal)) = nitrogen.and_then(|atom| Some((atom, graph.metals(atom).next()?))) {
+        let to_oxygen = graph.vector(nitrogen, graph.around(nitrogen)[0]);
+        let angle = graph.vector(nitrogen, metal).angle_between(to_oxygen).to_degrees();
+        return Some((next.bond, most.min(if angle >= LINEAR_NITROSYL_DEG { 3 } else { 2 })));
+    }
+    let off = |order: u8| (length - lengths::expected(elements[0], elements[1], usize::from(order))).abs();
     (1..=most).min_by(|&one, &other| off(one).total_cmp(&off(other))).map(|order| (next.bond, order))
 }

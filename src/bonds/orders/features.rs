@@ -32,12 +32,20 @@ fn coarse_ring(kind: u8) -> u64 {
     }
 }
 
-/// The features of one atom in one state: each is passed to `sink` with its value.
+/// The intervals of the angles opposite to each bond of an atom with three neighbours; zeros for any other.
+pub(super) fn opposite_angles(graph: &Graph<'_>, atom: usize) -> [u8; 3] {
+    if graph.degree(atom) != 3 || !graph.has_geometry() {
+        return [0; 3];
+    }
+    std::array::from_fn(|slot| angle_interval(graph, atom, (slot + 1) % 3, (slot + 2) % 3))
+}
+
+/// The features of one atom in one state: each is passed to `sink` with its value. `angles` are its [`opposite_angles`].
 pub(super) fn of_atom(
     graph: &Graph<'_>,
     kinds: &RingKinds,
     site_of: &impl Fn(usize) -> Site,
-    atom: usize,
+    (atom, angles): (usize, [u8; 3]),
     state: State,
     sink: &mut impl FnMut(u64, f32),
 ) {
@@ -78,7 +86,7 @@ pub(super) fn of_atom(
     if around.len() == 3 && (state.pi == 0 || state.sum() == 1) && graph.has_geometry() {
         // The angle opposite to a double bond is narrow.
         for (slot, neighbour) in around.iter().enumerate() {
-            let angle = angle_interval(graph, atom, (slot + 1) % 3, (slot + 2) % 3);
+            let angle = angles[slot];
             let beside = site_of(neighbour.atom as usize);
             let facts = [
                 (u64::from(site.element), 4),

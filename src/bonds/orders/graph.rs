@@ -23,6 +23,8 @@ pub(super) struct Graph<'a> {
     start: Vec<u32>,
     around: Vec<Neighbour>,
     held: Vec<Held>,
+    /// Nonmetals and their coordination bonds to metals, sorted.
+    to_metals: Vec<(u32, u32)>,
 }
 
 /// What an atom holds beside its heavy neighbours.
@@ -53,11 +55,12 @@ impl<'a> Graph<'a> {
         let count = elements.len();
         let mut start = vec![0u32; count + 1];
         let mut held = vec![Held::default(); count];
+        let mut to_metals = Vec::new();
         let is_edge = |bond: &Bond| {
             let (a, b) = (bond.a as usize, bond.b as usize);
             a < count && b < count && a != b && is_heavy(elements[a]) && is_heavy(elements[b]) && is_shared(bond)
         };
-        for bond in bonds {
+        for (index, bond) in bonds.iter().enumerate() {
             let ends = [bond.a as usize, bond.b as usize];
             if ends.iter().any(|&end| end >= count) || ends[0] == ends[1] || bond.kind == BondKind::Hydrogen {
                 continue;
@@ -69,12 +72,15 @@ impl<'a> Graph<'a> {
             }
             for (end, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
                 let held = &mut held[end];
-                let slot = match elements[other] {
-                    Element::H => &mut held.hydrogens,
-                    _ if is_shared(bond) => &mut held.others,
-                    _ => &mut held.metals,
+                let (slot, count) = match elements[other] {
+                    Element::H => (&mut held.hydrogens, 1),
+                    _ if is_shared(bond) => (&mut held.others, bond.order.number().max(1)),
+                    _ => (&mut held.metals, 1),
                 };
-                *slot = slot.saturating_add(1);
+                *slot = slot.saturating_add(count);
+                if !is_shared(bond) && is_heavy(elements[end]) && elements[other].is_metal() {
+                    to_metals.push((end as u32, index as u32));
+                }
             }
         }
         let mut sum = 0u32;
@@ -93,7 +99,8 @@ impl<'a> Graph<'a> {
         let is_periodic = bonds.iter().any(Bond::is_periodic);
         let lattice = cell.filter(|_| is_periodic).map(|cell| cell.cartesian_from_fractional().as_mat3());
         let positions = if positions.len() == count { positions } else { &[] };
-        Graph { elements, positions, bonds, lattice, start, around, held }
+        to_metals.sort_unstable();
+        Graph { elements, positions, bonds, lattice, start, around, held, to_metals }
     }
 
     /// The number of atoms, hydrogens and metals too.
@@ -124,6 +131,16 @@ impl<'a> Graph<'a> {
     /// What an atom holds beside them.
     pub(super) fn held(&self, atom: usize) -> Held {
         self.held[atom]
+    }
+
+    /// The metals that an atom gives electrons to.
+    pub(super) fn metals(&self, atom: usize) -> impl Iterator<Item = Neighbour> + '_ {
+        let first = self.to_metals.partition_point(|&(other, _)| (other as usize) < atom);
+        let own = self.to_metals[first..].iter().take_while(move |&&(other, _)| other as usize == atom);
+        own.map(move |&(_, bond)| {
+            let ends = &self.bonds[bond as usize];
+            Neighbour { atom: if ends.a as usize == atom { ends.b } else { ends.a }, bond }
+        })
     }
 
     /// From an atom to its neighbour; zero without geometry.

@@ -27,6 +27,17 @@ const RADII_PM: [(u8, [u8; 3]); 17] = [
     (54, [131, 135, 122]),
 ];
 
+/// [`RADII_PM`] by atomic number, 0 for what is not in it.
+const BY_Z: [[u8; 3]; 64] = {
+    let mut by_z = [[0; 3]; 64];
+    let mut row = 0;
+    while row < RADII_PM.len() {
+        by_z[RADII_PM[row].0 as usize] = RADII_PM[row].1;
+        row += 1;
+    }
+    by_z
+};
+
 /// Expected length in ångström of a bond of order 1, 2 or 3.
 pub(super) fn expected(a: Element, b: Element, order: usize) -> f32 {
     if a == Element::O && b == Element::O {
@@ -34,9 +45,9 @@ pub(super) fn expected(a: Element, b: Element, order: usize) -> f32 {
         // in O₂ (Huber and Herzberg 1979), where the radii give 1.26 and 1.14 Å.
         return if order == 1 { 1.46 } else { 1.21 };
     }
-    let radius = |element: Element| {
-        let row = RADII_PM.iter().find(|(z, _)| *z == element.z());
-        row.map_or(element.covalent_radius(), |(_, radii)| f32::from(radii[order.clamp(1, 3) - 1]) * 0.01)
+    let radius = |element: Element| match BY_Z.get(usize::from(element.z())) {
+        Some(radii) if radii[0] > 0 => f32::from(radii[order.clamp(1, 3) - 1]) * 0.01,
+        _ => element.covalent_radius(),
     };
     radius(a) + radius(b)
 }

@@ -15,7 +15,9 @@
 //!    and each pair of neighbouring states by length and twist.
 //! 4. The best sum is found exactly by eliminating atom after atom; in sheets and cages, where that would take too long,
 //!    nearly so, in time and memory proportional to the atoms (`solve`).
-//! 5. Aromatic are rings and fused systems by Hückel's rule on the result, as RDKit counts (`aromatic`). Nitro groups are
+//! 5. Oxo acids, ozone and the like, without carbon, have the orders of their Lewis formulas (`inorganic`); two atoms alone
+//!    those of their length.
+//! 6. Aromatic are rings and fused systems by Hückel's rule on the result, as RDKit counts (`aromatic`). Nitro groups are
 //!    N⁺–O⁻, phosphates have one P=O and sulfones two S=O, as the component dictionary writes them.
 //!
 //! # Sources and figures
@@ -38,6 +40,7 @@ mod charges;
 mod component;
 mod features;
 mod graph;
+mod inorganic;
 mod kekulise;
 mod lengths;
 mod model;
@@ -65,7 +68,12 @@ pub(super) fn perceive(elements: &[Element], positions: &[Vec3], cell: Option<&C
     if positions.len() != elements.len() {
         return;
     }
-    let is_open = open_bonds(elements, bonds);
+    let mut is_open = open_bonds(elements, bonds);
+    let by_rule = inorganic::find(&Graph::new(elements, positions, bonds, cell), &is_open);
+    for (bond, order) in by_rule {
+        bonds[bond as usize].order = BondOrder::from_number(u32::from(order));
+        is_open[bond as usize] = false;
+    }
     let found = {
         let graph = Graph::new(elements, positions, bonds, cell);
         let Some(reach) = reach(&graph, &is_open) else { return };
@@ -187,7 +195,7 @@ fn aromatic_bonds(
     }
     let order = |bond: u32| order_of[bond as usize];
     let mut charge_of = vec![0i8; graph.atom_count()];
-    for (atom, charge) in charges::find(graph, &order, &hydrogens_known) {
+    for (atom, charge) in charges::find(graph, rings, &order, &hydrogens_known) {
         charge_of[atom as usize] = charge;
     }
     let orders =
@@ -197,10 +205,16 @@ fn aromatic_bonds(
 
 /// The formal charges that follow from the bonds, where the structure states none: atom and charge.
 pub(super) fn charges(structure: &Structure, bonds: &[Bond]) -> Vec<(u32, i8)> {
-    let graph = Graph::new(structure.elements(), &[], bonds, None);
-    let known = hydrogens_known(&graph, &vec![true; graph.atom_count()]);
+    let positions = structure.positions().relative();
+    let graph = Graph::new(structure.elements(), positions, bonds, structure.lattice(0));
+    let mut known = hydrogens_known(&graph, &vec![true; graph.atom_count()]);
     let order = |bond: u32| bonds[bond as usize].order.number();
-    charges::find(&graph, &order, &|atom| known[atom])
+    charges::complete(&graph, &order, &mut known);
+    let rings = match charges::may_have_ions_of_rings(&graph, &order, &|atom| known[atom]) {
+        true => rings::find(&graph, |atom| charges::is_flat_carbon(&graph, atom), rings::LARGEST_RING),
+        false => Vec::new(),
+    };
+    charges::find(&graph, &rings, &order, &|atom| known[atom])
 }
 
 /// The bonds (by index into `bonds`) of every aromatic ring of a structure, found by the bonds' orders alone: what a file

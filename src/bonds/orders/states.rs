@@ -1,6 +1,7 @@
 //! The ways an atom can share its electrons, and what each of them costs before statistics have a word.
 
-use super::graph::Graph;
+use super::graph::{Graph, Neighbour};
+use super::lengths;
 use super::sites::{RingKinds, UNKNOWN, is_flat_ring};
 use crate::element::Element;
 
@@ -73,6 +74,10 @@ pub(super) fn most_extra(element: Element, degree: usize, taken: usize, in_flat_
     if degree > MOST_NEIGHBOURS { 0 } else { most as u8 }
 }
 
+/// Cost of a carbon without a double bond that a metal holds by its neighbours, too. Chosen so that cyclopentadienyl has one
+/// and two double bonds, not five: ferrocene's lengths (1.43 Å) alone would leave all single.
+const PI_CARBANION: f32 = 5.0;
+
 /// Cost and charge of an atom by the electron pairs it shares; `None` where it cannot be. Costs are in units of a
 /// log-likelihood: 7 is a case in a thousand. `hydrogens` is `None` where they are not known: then free valences hold
 /// hydrogens.
@@ -90,7 +95,8 @@ pub(super) fn cost(
     Some(match (element.z(), valence) {
         (6 | 14 | 32, 4) => (0.0, 0),
         (6, 3) if bonds == 1 => free(given(5.0), -1), // isocyanide, carbon monoxide
-        (6, 3) => free(given(9.0), if bonds == 3 && !has_metals { 1 } else { -1 }),
+        // Beside a metal one of a ring or chain that it holds; all others there have double bonds.
+        (6, 3) => free(if has_metals { PI_CARBANION } else { 9.0 }, if bonds == 3 && !has_metals { 1 } else { -1 }),
         (6 | 14 | 32, 0..=3) => free(given(14.0), 0),
         (7, 3) => (0.0, 0),
         (7, 4) => (if known { 2.0 } else { 4.0 }, 1),
@@ -106,7 +112,9 @@ pub(super) fn cost(
         (9 | 17 | 35 | 53, 1) => (0.0, 0),
         (17 | 35 | 53, 3 | 5 | 7) => (2.0, 0),
         (17 | 35 | 53, 2) => (4.0, 1),
-        (17 | 35 | 53, 4 | 6) => (8.0, 0),
+        (17 | 35 | 53, 4 | 6) => (8.0, -1), // ICl₄⁻, BrF₆⁻
+        (14 | 32, 5) => (0.0, -1),
+        (14 | 32, 6) => (0.0, -2),
         (15 | 33 | 51, 3 | 5) => (0.0, 0),
         (15 | 33 | 51, 4) => (if bonds == 4 { 3.0 } else { 6.0 }, 1),
         (15 | 33 | 51, 0..=2) => free(given(6.0), 0),
@@ -150,16 +158,55 @@ pub(super) fn pi_kind(graph: &Graph<'_>, kinds: &RingKinds, atom: usize, extra: 
 }
 
 /// Degrees below which an atom of carbon or nitrogen between two others has neither a triple nor two double bonds:
-/// 158° in cyclooctyne (Haase and Krebs 1971), less 3 standard errors of an angle between positions with errors of 0.03 Å.
+/// 158° in cyclooctyne (Haase and Krebs 1971), less 3 standard errors of an angle between positions with errors of
+/// 0.03 Å.
 const LINEAR_DEG: f32 = 145.0;
+/// How much longer than single the other bond of such an atom is at most, in ångström: 4 times the error of a length.
+const LONGER_THAN_SINGLE: f32 = 0.18;
+/// How much shorter than double a bond may be that is not triple, where the atom has two extra pairs: 3 times the error of
+/// a length. A bond as short as a triple one beside another is a badly placed atom (PDB entry 4HHB).
+const SHORTER_THAN_DOUBLE: f32 = 0.12;
+/// C=O beside another double bond, in ångström: in carbon dioxide 1.160 (Herzberg, Electronic Spectra of Polyatomic Molecules,
+/// 1966), isocyanates and ketenes 1.16–1.17, for 1.24 by the radii.
+const CUMULATED_C_O: f32 = 1.16;
 
-/// Whether an atom is bent as only those without a triple bond and with at most one double bond are.
-fn is_bent(graph: &Graph<'_>, atom: usize) -> bool {
-    match *graph.around(atom) {
-        [one, other] if graph.has_geometry() && matches!(graph.elements[atom].z(), 6 | 7) => {
-            graph.vector(atom, one).angle_between(graph.vector(atom, other)).to_degrees() < LINEAR_DEG
-        }
-        _ => false,
+/// Which extra pairs geometry allows an atom of carbon or nitrogen with two neighbours.
+#[derive(Clone, Copy)]
+struct Linear {
+    /// Whether it may have two.
+    may_be: bool,
+    /// Whether each bond is too short to be anything but triple then.
+    is_short: [bool; 2],
+}
+
+impl Linear {
+    fn new(graph: &Graph<'_>, atom: usize) -> Linear {
+        let element = graph.elements[atom];
+        let (&[one, other], true, 6 | 7) = (graph.around(atom), graph.has_geometry(), element.z()) else {
+            return Linear { may_be: true, is_short: [false; 2] };
+        };
+        let vectors = [one, other].map(|next| graph.vector(atom, next));
+        let expected = |order: usize| {
+            [one, other].map(|next| lengths::expected(element, graph.elements[next.atom as usize], order))
+        };
+        let (single, double) = (expected(1), expected(2));
+        let is_long = |slot: usize| vectors[slot].length() > single[slot] + LONGER_THAN_SINGLE;
+        // In azides both bonds between nitrogens are as short as triple ones (1.13 and 1.24 Å).
+        let has_carbon = |next: Neighbour| element == Element::C || graph.elements[next.atom as usize] == Element::C;
+        let is_short = |slot: usize| {
+            let next = [one, other][slot];
+            let has_oxygen = graph.elements[next.atom as usize] == Element::O;
+            let usual = if has_oxygen { CUMULATED_C_O } else { double[slot] };
+            has_carbon(next) && vectors[slot].length() < usual - SHORTER_THAN_DOUBLE
+        };
+        let is_bent = vectors[0].angle_between(vectors[1]).to_degrees() < LINEAR_DEG;
+        Linear { may_be: !is_bent && !is_long(0) && !is_long(1), is_short: [is_short(0), is_short(1)] }
+    }
+
+    /// Whether these extra pairs on the two bonds fit.
+    fn fits(self, extra: [u8; 2]) -> bool {
+        extra[0] + extra[1] < 2
+            || self.may_be && (extra[0] == 2 || !self.is_short[0]) && (extra[1] == 2 || !self.is_short[1])
     }
 }
 
@@ -182,7 +229,7 @@ pub(super) fn states(
     let taken = usize::from(held.others) + usize::from(held.hydrogens);
     let bonds = degree + taken;
     let most = usize::from(most_extra(element, degree, taken, is_flat_ring(kinds.atom(atom))));
-    let most = if is_bent(graph, atom) { most.min(1) } else { most };
+    let linear = Linear::new(graph, atom);
     let has_metals = held.metals > 0;
     let limits: [u8; MOST_NEIGHBOURS] =
         std::array::from_fn(|slot| if slot < degree && degree <= MOST_NEIGHBOURS { allowed(slot) } else { 0 });
@@ -190,6 +237,9 @@ pub(super) fn states(
         let of = |slot: usize| (extra >> (2 * slot)) & 3;
         let sum: usize = (0..MOST_NEIGHBOURS).map(|slot| usize::from(of(slot))).sum();
         if (0..MOST_NEIGHBOURS).any(|slot| of(slot) > limits[slot]) || sum + fixed_extra > most.max(fixed_extra) {
+            continue;
+        }
+        if !linear.fits([of(0), of(1)]) {
             continue;
         }
         let pi = pi_kind(graph, kinds, atom, extra);

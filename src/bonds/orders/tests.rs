@@ -270,11 +270,14 @@ fn carbon_dioxide_and_dinitrogen_need_no_hydrogens() {
 fn cyclopentadienide_on_a_metal_is_aromatic() {
     let mut sites: Vec<Site> = vec![("Fe", [0.0; 3])];
     for height in [1.66, -1.66] {
-        sites.extend(ring(&["C"; 5], 1.21).into_iter().map(|(symbol, [x, y, _])| (symbol, [x, y, height])));
+        sites.extend(ring(&["C"; 5], 1.2165).into_iter().map(|(symbol, [x, y, _])| (symbol, [x, y, height])));
         sites.extend(ring(&["H"; 5], 2.29).into_iter().map(|(symbol, [x, y, _])| (symbol, [x, y, height])));
     }
     assert_eq!(multiple(&structure(&sites)), ["C~C"; 10]);
     assert_eq!(charges_of(&sites), ["C-1", "C-1"]);
+    // At 1.43 Å, between single and double, there are still two double bonds a ring.
+    let bonds = find(&structure(&sites), 0, &BondOptions::default());
+    assert_eq!(bonds.iter().filter(|bond| bond.order == BondOrder::Double).count(), 4);
 }
 
 #[test]
@@ -491,4 +494,157 @@ fn aromatic_rings_of_a_written_kekule_form_are_found() {
         (3, 9, single),
     ];
     assert_eq!(rings(&["C"; 10], &azulene), [10]);
+}
+
+/// Orders from distances: bonds as [`multiple`] names them, and the charges.
+fn perceived(sites: &[Site]) -> (Vec<String>, Vec<String>) {
+    (multiple(&structure(sites)), charges_of(sites))
+}
+
+/// The corners of a tetrahedron at these distances from an atom in the origin.
+fn tetrahedron(center: &'static str, ends: &[(&'static str, f64)]) -> Vec<Site> {
+    let corners = [[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0]];
+    let mut sites = vec![(center, [0.0; 3])];
+    let at = |corner: [f64; 3], length: f64| corner.map(|along| along * length / 3f64.sqrt());
+    sites.extend(corners.into_iter().zip(ends).map(|(corner, &(symbol, length))| (symbol, at(corner, length))));
+    sites
+}
+
+/// Three neighbours at one distance, the central atom this far over their plane.
+fn pyramid(center: &'static str, end: &'static str, length: f64, height: f64) -> Vec<Site> {
+    let mut sites = vec![(center, [0.0, 0.0, height])];
+    sites.extend(ring(&[end; 3], (length * length - height * height).sqrt()));
+    sites
+}
+
+// Lengths of the ions in crystals, as textbooks give them (Greenwood and Earnshaw, Chemistry of the Elements).
+#[test]
+fn oxo_anions_with_equal_bonds_have_the_orders_of_their_lewis_formulas_and_their_charge() {
+    for (center, length, double, charge) in [
+        ("S", 1.49, 2, 2),
+        ("P", 1.54, 1, 3),
+        ("Cl", 1.44, 3, 1),
+        ("Si", 1.63, 0, 4),
+        ("Se", 1.64, 2, 2),
+        ("As", 1.69, 1, 3),
+        ("Mn", 1.63, 3, 1),
+        ("Cr", 1.65, 2, 2),
+        ("V", 1.71, 1, 3),
+        ("W", 1.78, 2, 2),
+        ("Mo", 1.77, 2, 2),
+        ("Tc", 1.71, 3, 1),
+        ("Os", 1.71, 4, 0),
+    ] {
+        let (orders, charges) = perceived(&tetrahedron(center, &[("O", length); 4]));
+        assert_eq!((orders.len(), charges.len()), (double, charge), "{center}");
+        assert!(charges.iter().all(|charge| charge == "O-1"), "{center}: {charges:?}");
+    }
+    for (center, length, height, double, charge) in
+        [("S", 1.51, 0.53, 1, 2), ("S", 1.42, 0.0, 3, 0), ("Cl", 1.49, 0.55, 2, 1), ("P", 1.53, 0.5, 0, 3)]
+    {
+        let (orders, charges) = perceived(&pyramid(center, "O", length, height));
+        assert_eq!((orders.len(), charges.len()), (double, charge), "{center}, {height} Å high");
+    }
+    assert_eq!(perceived(&pyramid("C", "O", 1.29, 0.0)).1, ["O-1"; 2]);
+    assert_eq!(perceived(&pyramid("N", "O", 1.25, 0.0)).1, ["N+1", "O-1", "O-1"]);
+}
+
+#[test]
+fn an_end_that_is_longer_than_the_others_has_a_hydrogen_that_is_not_listed() {
+    let ends = |long: usize, short: f64, length: f64| -> [(&'static str, f64); 4] {
+        std::array::from_fn(|i| ("O", if i < long { length } else { short }))
+    };
+    assert_eq!(perceived(&tetrahedron("S", &ends(1, 1.45, 1.57))).1, ["O-1"]);
+    assert_eq!(perceived(&tetrahedron("P", &ends(2, 1.51, 1.57))).1, ["O-1"]);
+    let (orders, charges) = perceived(&tetrahedron("P", &ends(3, 1.49, 1.57)));
+    assert_eq!((orders, charges), (vec!["O=P".to_owned()], Vec::new()));
+}
+
+/// A metal in the origin with such diatomic ligands in the given directions.
+fn on_metal(metal: &'static str, near: (&'static str, f64), far: (&'static str, f64), ways: &[[f64; 3]]) -> Vec<Site> {
+    let mut sites = vec![(metal, [0.0; 3])];
+    for way in ways {
+        let unit = DVec3::from(*way).normalize();
+        sites.push((near.0, (unit * near.1).to_array()));
+        sites.push((far.0, (unit * (near.1 + far.1)).to_array()));
+    }
+    sites
+}
+
+#[test]
+fn carbonyls_and_cyanides_have_triple_bonds_and_nitrosyls_those_of_their_angle() {
+    let octahedron =
+        [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+    let (orders, charges) = perceived(&on_metal("Mo", ("C", 2.06), ("O", 1.145), &octahedron));
+    assert_eq!(orders, ["C#O"; 6]);
+    assert_eq!(charges.iter().filter(|charge| *charge == "C-1").count(), 6);
+    assert_eq!(perceived(&on_metal("Fe", ("C", 1.92), ("N", 1.16), &octahedron)).1, ["C-1"; 6]);
+    assert_eq!(perceived(&on_metal("Ru", ("N", 1.93), ("N", 1.11), &octahedron[..1])).0, ["N#N"]);
+    assert_eq!(perceived(&on_metal("Fe", ("N", 1.66), ("O", 1.13), &octahedron[..1])).0, ["N#O"]);
+    let bent = [("Co", [0.0; 3]), ("N", [1.85, 0.0, 0.0]), ("O", [2.5, 0.95, 0.0])];
+    assert_eq!(perceived(&bent).0, ["N=O"]);
+    // Carbon monoxide between two metals has a ketone's bond.
+    let bridge =
+        [("Fe", [1.26, 0.0, 0.0]), ("Fe", [-1.26, 0.0, 0.0]), ("C", [0.0, 1.55, 0.0]), ("O", [0.0, 2.72, 0.0])];
+    assert_eq!(perceived(&bridge).0, ["C=O"]);
+}
+
+#[test]
+fn rings_and_cages_of_lone_pairs_are_not_aromatic() {
+    for (symbol, radius) in [("P", 2.2), ("As", 2.42), ("S", 2.05)] {
+        for size in 3..=6 {
+            let radius = radius / 2.0 / (std::f64::consts::PI / size as f64).sin();
+            assert_eq!(multiple(&structure(&ring(&vec![symbol; size], radius))), [""; 0], "{symbol}{size}");
+        }
+    }
+    // White phosphorus: six bonds of 2.21 Å.
+    let corners = tetrahedron("H", &[("P", 2.21 * 0.375f64.sqrt()); 4]);
+    assert_eq!(multiple(&structure(&corners[1..])), [""; 0]);
+}
+
+#[test]
+fn rings_that_a_charge_makes_aromatic_have_it() {
+    for (size, length, charge) in [(3, 1.37, "C+1"), (5, 1.41, "C-1"), (7, 1.40, "C+1")] {
+        let radius = length / 2.0 / (std::f64::consts::PI / size as f64).sin();
+        let mut sites = ring(&vec!["C"; size], radius);
+        sites.extend(ring(&vec!["H"; size], radius + 1.085));
+        assert_eq!(perceived(&sites), (vec!["C~C".to_owned(); size], vec![charge.to_owned()]), "{size}");
+    }
+    // Ferrocene without its hydrogens.
+    let rings =
+        [1.66, -1.66].map(|height| ring(&["C"; 5], 1.21).into_iter().map(move |(c, [x, y, _])| (c, [x, y, height])));
+    let mut ferrocene = vec![("Fe", [0.0; 3])];
+    ferrocene.extend(rings.into_iter().flatten());
+    assert_eq!(perceived(&ferrocene), (vec!["C~C".to_owned(); 10], vec!["C-1".to_owned(); 2]));
+}
+
+#[test]
+fn ozone_triiodide_diborane_and_nitrogen_dioxide() {
+    // Ozone 1.278 Å and 116.8°, nitrite 1.24 Å and 115°, nitrogen dioxide 1.19 Å and 134°.
+    let bent = |center, length, angle: f64| {
+        [(center, [0.0; 3]), ("O", beside([0.0; 3], length, 0.0)), ("O", beside([0.0; 3], length, angle))]
+    };
+    assert_eq!(perceived(&bent("O", 1.278, 116.8)), (vec!["O=O".to_owned()], vec!["O+1".to_owned(), "O-1".to_owned()]));
+    assert_eq!(charges_of(&bent("N", 1.24, 115.0)), ["O-1"]);
+    assert_eq!(charges_of(&bent("N", 1.19, 134.0)), [""; 0]);
+    assert_eq!(charges_of(&[("I", [-2.92, 0.0, 0.0]), ("I", [0.0; 3]), ("I", [2.92, 0.0, 0.0])]), ["I-1"]);
+    let mut diborane: Vec<Site> = vec![("B", [-0.885, 0.0, 0.0]), ("B", [0.885, 0.0, 0.0])];
+    diborane.extend([("H", [0.0, 0.993, 0.0]), ("H", [0.0, -0.993, 0.0])]);
+    for x in [-1.46, 1.46] {
+        diborane.extend([("H", [x, 0.0, 1.04]), ("H", [x, 0.0, -1.04])]);
+    }
+    assert_eq!(charges_of(&diborane), [""; 0]);
+}
+
+#[test]
+fn a_triple_bond_needs_a_line_and_a_length() {
+    let butyne = |angle: f64, length: f64| {
+        let [x, y, _] = beside([0.0; 3], 1.46, angle);
+        [("C", [x, y, 0.0]), ("C", [0.0; 3]), ("C", [length, 0.0, 0.0]), ("C", [length + 1.46, 0.0, 0.0])]
+    };
+    assert_eq!(multiple(&structure(&butyne(180.0, 1.2))), ["C#C"]);
+    assert_eq!(multiple(&structure(&butyne(168.0, 1.2))), ["C#C"]);
+    for (angle, length) in [(140.0, 1.2), (180.0, 1.03)] {
+        assert!(!multiple(&structure(&butyne(angle, length))).contains(&"C#C".to_owned()), "{angle} {length}");
+    }
 }

@@ -25,8 +25,8 @@ const LONGEST_EXCESS: f32 = 1.2;
 const DOUBTFUL_EXCESS: f32 = 0.75;
 /// The same for bonds of hydrogen: as for distances. A hydrogen that has the name of another then goes to its nearest.
 const LONGEST_HYDROGEN_EXCESS: f32 = 0.45;
-/// The same for metals: Harding (Acta Cryst. D 2004, 60, 849) counts donors up to 0.75 Å beyond the usual length,
-/// which is itself up to 0.3 Å beyond the radii (axial Cu–O).
+/// The same for metals. Chosen: usual lengths are up to 0.3 Å beyond the radii (the axial water of copper), and a donor that
+/// the dictionary names stays one in a rough model, 0.75 Å further away.
 const LONGEST_METAL_EXCESS: f32 = 1.05;
 
 /// A bond inside a residue, by the places of its atoms in it.
@@ -222,12 +222,11 @@ fn fit(atoms: &Atoms<'_>, template: &Template) -> Option<(i64, Match)> {
 impl Match {
     fn layout(&self, atoms: &Atoms<'_>, template: &Template, number: u32) -> Layout {
         let count = template.elements.len();
-        // Of each atom: partners, those that are not there, those of these that are not hydrogens.
-        let (mut partners, mut missing, mut heavy) = (vec![0u32; count], vec![0usize; count], vec![false; count]);
+        // Of each atom: partners that are not there, and whether any of these is no hydrogen.
+        let (mut missing, mut heavy) = (vec![0usize; count], vec![false; count]);
         for bond in &template.bonds {
             for (atom, partner) in [(bond.a, bond.b), (bond.b, bond.a)] {
                 let (atom, partner) = (usize::from(atom), usize::from(partner));
-                partners[atom] += 1;
                 if self.places[partner].is_empty() {
                     missing[atom] += 1;
                     heavy[atom] |= !template.hydrogen[partner];
@@ -250,13 +249,9 @@ impl Match {
                         continue;
                     }
                     let elements = [atoms.element(one as usize), atoms.element(other as usize)];
-                    let is_linear =
-                        |end: u16, element: Element| element.group() == 12 && partners[usize::from(end)] <= 2;
                     // A dictionary gives coordination as single bonds; a terminal oxide has two.
-                    let is_coordination = metal::is_coordination(elements[0], elements[1])
-                        && bond.order <= BondOrder::Single
-                        && !is_linear(bond.a, elements[0])
-                        && !is_linear(bond.b, elements[1]);
+                    let is_coordination =
+                        metal::is_coordination(elements[0], elements[1]) && bond.order <= BondOrder::Single;
                     let hydrogen = elements.contains(&Element::H);
                     let excess = match () {
                         () if hydrogen => LONGEST_HYDROGEN_EXCESS,

@@ -6,7 +6,8 @@
 //! compares some hundred with the dictionary. Then every residue looks at its own lengths:
 //!
 //! - a bond that is too long or too short to be one is left out; its hydrogens are given back to the distances;
-//! - where more than one of three is doubtful, the residue is not what its name says, and all of it is.
+//! - where more than one of three is doubtful, the residue is not what its name says, and all of it is, unless it has the
+//!   backbone of an amino acid: then its side chain is only out of shape.
 //!
 //! Hydrogens that have other names are bonded by distance, as are atoms that the component does not have.
 
@@ -34,6 +35,8 @@ use template::Template;
 /// a bad bond or two, as in PDB entry 4HHB, stays what it is called; of a molecule that shares only the name and the atom
 /// names (C1, C2, …) with a component, most bonds are far too long.
 const WRONG: (usize, usize) = (1, 3);
+/// How much longer than the covalent radii a bond of a sound backbone may be, in ångström: the tolerance of distances.
+const BACKBONE_EXCESS: f32 = 0.45;
 /// Residues in one piece of work.
 const RESIDUES_PER_TASK: usize = 4096;
 
@@ -161,6 +164,20 @@ fn are_alike(structure: &Structure, one: &Range<usize>, other: &Range<usize>) ->
         && one.clone().zip(other.clone()).all(|(a, b)| same(a, b))
 }
 
+/// Whether N–CA, CA–C and C–O are among the bonds and as long as bonds are. Names like these are nobody's by chance, and a
+/// side chain that was built without density (PDB entry 4HHB, lysine 65 of chain B: C–C 0.58 to 2.49 Å) is still what it is called.
+fn has_backbone(structure: &Structure, positions: &[Vec3], bonds: &[Bond]) -> bool {
+    [["N", "CA"], ["CA", "C"], ["C", "O"]].iter().all(|pair| {
+        bonds.iter().any(|bond| {
+            let [a, b] = [bond.a, bond.b].map(|atom| atom as usize);
+            let longest = rules::radii(structure.elements()[a], structure.elements()[b]) + BACKBONE_EXCESS;
+            let names = [structure.atom_name(a), structure.atom_name(b)];
+            let is_pair = names == *pair || names == [pair[1], pair[0]];
+            is_pair && positions[a].distance(positions[b]) <= longest
+        })
+    })
+}
+
 /// The bonds of some residues, and how their atoms stand.
 fn apply(
     known: &Known,
@@ -200,7 +217,8 @@ fn apply(
                 }
             }
         }
-        if wrong > 1 && wrong * WRONG.1 > heavy * WRONG.0 {
+        let is_doubtful = wrong > 1 && wrong * WRONG.1 > heavy * WRONG.0;
+        if is_doubtful && !has_backbone(structure, positions, &bonds[first_bond..]) {
             bonds.truncate(first_bond);
             standing.fill(Standing::UNKNOWN);
         }

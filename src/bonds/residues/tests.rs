@@ -190,6 +190,26 @@ fn a_bond_longer_than_any_is_left_out_and_the_rest_stays() {
 }
 
 #[test]
+fn a_side_chain_out_of_shape_is_that_of_its_residue_where_the_backbone_is_sound() {
+    // Lysine 65 of chain B of PDB entry 4HHB, by its distances along the chain.
+    let mut atoms = GLYCINE[..4].to_vec();
+    for atom in &mut atoms {
+        atom.3 = "LYS";
+    }
+    for (name, symbol, z) in
+        [("CB", "C", -1.8), ("CG", "C", -2.4), ("CD", "C", -4.9), ("CE", "C", -7.2), ("NZ", "N", -9.7)]
+    {
+        atoms.push((name, symbol, [1.458, 0.0, z], "LYS", 1, b' '));
+    }
+    let got = auto(&atoms);
+    assert_eq!(pairs(&got), [(0, 1), (1, 2), (1, 4), (2, 3), (4, 5), (5, 6), (6, 7), (7, 8)]);
+    assert!(got.iter().filter(|bond| bond.a >= 4).all(|bond| bond.order == BondOrder::Single));
+    // Without a backbone it may be anything.
+    atoms[0].2 = [-3.0, 0.0, 0.0];
+    assert!(pairs(&auto(&atoms)).iter().all(|&(a, b)| b < 4 || (a, b) == (1, 4) || (a, b) == (4, 5)));
+}
+
+#[test]
 fn alternate_locations_are_bonded_each_to_its_own() {
     let atoms = [
         ("CB", "C", [0.0; 3], "SER", 1, b' '),

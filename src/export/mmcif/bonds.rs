@@ -1,12 +1,14 @@
 //! Which bonds go where: into the bonds of residue names (`_chem_comp_bond`), or one by one into `_struct_conn`.
 //!
 //! A bond inside a residue stands under the residue's name if every residue of that name in which both atoms occur has
-//! it, with the same order. All others between atoms that can be told by their names, and all that are not covalent, get a
-//! row of their own. The links of a polymer (C–N, O3'–P) that were inferred are left to the reader, as in the files of
+//! it, with the same order. All others between atoms that can be told by their names get a row of their own. So do, beside their
+//! place under the residue's name, bonds of metals, for which an order does not tell covalent from coordination: the row's
+//! type does. The links of a polymer (C–N, O3'–P) that were inferred are left to the reader, as in the files of
 //! the PDB. A list that is not whole (only what a file stated) is written row by row, since under a residue's name it would
 //! say that there are no other bonds.
 
 use super::Residues;
+use crate::export::text::metals;
 use crate::structure::{
     Bond, BondKind, BondOrder, BondSource, ComponentBond, ComponentBonds, NameId, StatedBonds, Structure,
 };
@@ -34,7 +36,8 @@ impl Plan {
         let inside = |bond: &Bond| {
             let (a, b) = (bond.a as usize, bond.b as usize);
             let same = residues.index(a) == residues.index(b);
-            (same && bond.kind == BondKind::Covalent && !bond.is_periodic()).then(|| {
+            let has_order = matches!(bond.kind, BondKind::Covalent | BondKind::Coordination);
+            (same && has_order && !bond.is_periodic()).then(|| {
                 let [a, b] = [a, b].map(|atom| residues.atom_name(atom));
                 (residues.name(residues.index(bond.a as usize)), a.min(b), a.max(b))
             })
@@ -50,7 +53,10 @@ impl Plan {
                 if own.contains(residues.text(key.0)) {
                     continue;
                 }
-                let value = (bond.order, bond.aromatic);
+                let value = match bond.kind {
+                    BondKind::Coordination => (BondOrder::Single, false), // as in the component dictionary
+                    _ => (bond.order, bond.aromatic),
+                };
                 let entry = everywhere.entry(key).or_insert(Some(value));
                 if *entry != Some(value) {
                     *entry = None;
@@ -64,7 +70,7 @@ impl Plan {
             }
             let settled = inside(bond)
                 .is_some_and(|key| stated.contains(&key) || everywhere.get(&key).is_some_and(|value| value.is_some()));
-            if settled || is_polymer_link(bond, residues) {
+            if is_polymer_link(bond, residues) || (settled && !needs_kind(bond, structure)) {
                 continue;
             }
             if [bond.a, bond.b].iter().all(|&atom| residues.is_unique(atom as usize)) {
@@ -88,6 +94,12 @@ impl Plan {
         }
         plan
     }
+}
+
+/// Whether the order of a bond does not tell its kind.
+fn needs_kind(bond: &Bond, structure: &Structure) -> bool {
+    let is_single = bond.kind == BondKind::Covalent && bond.order == BondOrder::Single;
+    bond.kind == BondKind::Coordination || (is_single && metals(structure, bond) == 1)
 }
 
 fn keys_of(components: &[ComponentBonds], residues: &Residues<'_>) -> HashSet<Key> {

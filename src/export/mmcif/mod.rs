@@ -13,8 +13,10 @@ mod bonds;
 mod value;
 
 use super::formats::{Part, StructureFormat, title};
-use super::text::{AtomNames, Position, is_standard, one_line, parameters, symbol_with_isotope};
-use crate::structure::{Bond, BondKind, BondOrder, Frame, NameId, Names, Structure, SymmetryOperation, atom_flags};
+use super::text::{AtomNames, Position, is_standard, metals, one_line, parameters, symbol_with_isotope};
+use crate::structure::{
+    Bond, BondKind, BondOrder, Frame, NameId, Names, StatedBonds, Structure, SymmetryOperation, atom_flags,
+};
 use bonds::Plan;
 use std::collections::{HashMap, HashSet};
 use std::io::{self, Write};
@@ -55,10 +57,17 @@ pub static FORMAT: StructureFormat = StructureFormat {
 fn limits(structure: &Structure) -> Vec<&'static str> {
     let residues = Residues::new(structure);
     let plan = Plan::new(structure, &residues);
+    let is_whole = structure.stated_bonds() == StatedBonds::Complete && structure.atom_count() > 1;
+    let mut has_partner = vec![!is_whole; structure.atom_count()];
+    for atom in structure.bonds().iter().flat_map(|bond| [bond.a, bond.b]) {
+        has_partner[atom as usize] = true;
+    }
+    let alone = has_partner.contains(&false);
     let turned = structure.cell().is_some_and(|cell| !is_standard(cell));
     [
         (plan.unnamed, "bonds of atoms that share their name and residue with others (left out)"),
         (plan.unordered, "aromatic bonds and bonds of unknown order where residues of one name differ (written as single or double)"),
+        (alone, "that atoms are without any partner (distances may give them some when the file is read)"),
         (turned, "unit cells whose first vector is not along x or whose second is not in the xy plane (written as lengths and angles)"),
         (!residues.has_unique_serials, "serial numbers that repeat (counted anew)"),
     ]
@@ -235,6 +244,7 @@ fn type_of(structure: &Structure, residues: &Residues<'_>, bond: &Bond) -> &'sta
     };
     match bond.kind {
         BondKind::Coordination => "metalc",
+        BondKind::Dative if metals(structure, bond) == 1 => "metalc",
         BondKind::Hydrogen => "hydrog",
         _ if sulfur(bond.a) && sulfur(bond.b) => "disulf",
         _ => "covale",

@@ -1,6 +1,8 @@
 use super::*;
+use crate::bonds::{self, BondOptions};
 use crate::element::Element;
 use crate::export::formats::StructureFormat;
+use crate::export::tests::written;
 use crate::import::{Document, ImportOptions, read_bytes};
 use crate::structure::{
     AtomRecord, BondSource, Cell, ComponentBond, Diagnostics, SecondaryElement, StatedBonds, StructureBuilder, Symmetry,
@@ -8,9 +10,7 @@ use crate::structure::{
 use glam::DVec3;
 
 fn text(records: &[Structure]) -> String {
-    let mut bytes = Vec::new();
-    write(records, &mut bytes).unwrap();
-    String::from_utf8(bytes).unwrap()
+    written(|out| write(records, out))
 }
 
 fn read(text: &str) -> Document {
@@ -166,6 +166,49 @@ fn links_are_written_by_their_kind_and_inferred_polymer_links_are_not() {
         (3, 4, BondKind::Coordination, BondOrder::Unknown),
     ];
     assert_eq!(got, want);
+}
+
+#[test]
+fn bonds_of_metals_keep_their_kinds() {
+    // Of two nitrogens on iron one is bonded and one coordinates, as an SD file may say; a third in range does neither.
+    let mut builder = StructureBuilder::new();
+    for (symbol, at) in [
+        ("Fe", [0.0; 3]),
+        ("N", [2.0, 0.0, 0.0]),
+        ("N", [0.0, 2.0, 0.0]),
+        ("N", [0.0, 0.0, 2.3]),
+        ("O", [-1.6, 0.0, 0.0]),
+    ] {
+        let element = Element::from_symbol(symbol).unwrap();
+        builder.push_atom(&AtomRecord { element, position: glam::DVec3::from(at), ..AtomRecord::default() });
+    }
+    for atom in 3..5 {
+        // A bond of its own, so that its names are known.
+        builder.push_atom(&AtomRecord {
+            element: Element::H,
+            position: glam::DVec3::new(0.0, f64::from(atom), 3.0),
+            ..AtomRecord::default()
+        });
+    }
+    let listed = [
+        Bond::new(0, 1, BondOrder::Single, BondSource::File),
+        Bond { kind: BondKind::Coordination, ..Bond::new(0, 2, BondOrder::Unknown, BondSource::File) },
+        Bond::new(0, 4, BondOrder::Double, BondSource::File),
+        Bond::new(3, 5, BondOrder::Single, BondSource::File),
+        Bond::new(3, 6, BondOrder::Single, BondSource::File),
+    ];
+    for bond in listed {
+        builder.push_bond(bond);
+    }
+    builder.set_stated_bonds(StatedBonds::Complete);
+    let record = builder.build(&mut Diagnostics::default());
+    let document = read(&text(std::slice::from_ref(&record)));
+    let back = bonds::assign(document.records[0].clone(), &BondOptions::default());
+    let facts = |structure: &Structure| -> Vec<_> {
+        structure.bonds().iter().map(|bond| (bond.a, bond.b, bond.kind, bond.order)).collect()
+    };
+    assert_eq!(facts(&back)[..3], facts(&record)[..3]);
+    assert!(facts(&back).iter().all(|&(a, b, ..)| (a, b) != (0, 3)));
 }
 
 #[test]

@@ -194,8 +194,7 @@ mod tests {
         }
         builder.push_bond(Bond::new(0, 1, BondOrder::Double, BondSource::File));
         builder.push_bond(Bond::new(0, 2, BondOrder::Single, BondSource::File));
-        let mut bytes = Vec::new();
-        write(&[builder.build(&mut Diagnostics::default())], &mut bytes).unwrap();
+        let got = crate::export::tests::written(|out| write(&[builder.build(&mut Diagnostics::default())], out));
         let expected = concat!(
             "@<TRIPOS>MOLECULE\n # acetamide\n3 2 1 0 0\nSMALL\nUSER_CHARGES\n\n@<TRIPOS>ATOM\n",
             "      1 C1         0.0000     0.0000     0.0000 C.2       1 SO47A       0.1250\n",
@@ -205,6 +204,6 @@ mod tests {
             "@<TRIPOS>SUBSTRUCTURE\n     1 SO47A         1 RESIDUE 4 **** SO4\n",
             "@<TRIPOS>UNITY_ATOM_ATTR\n3 1\ncharge 1\n@<TRIPOS>CRYSIN\n4 5.5 6 90 95 90 1 1\n\n",
         );
-        assert_eq!(String::from_utf8(bytes).unwrap(), expected);
+        assert_eq!(got, expected);
     }
 }

@@ -138,6 +138,112 @@ impl<'a> Column<'a> {
     }
 }
 
+/// Of whole columns, for [`super::sites`]. `None` where a value is anything else than what is asked for.
+impl<'a> Column<'a> {
+    /// The texts, each once, and which one a row has; below 0 for none.
+    pub(super) fn texts(self) -> Option<(Vec<&'a str>, Vec<i32>)> {
+        match self.content {
+            Content::Texts(texts, indices) => Some((texts, indices)),
+            Content::Numbers(..) => None,
+        }
+    }
+
+    /// What the texts mean.
+    pub(super) fn meanings<T: Copy>(self, absent: T, meaning: impl Fn(&str) -> Option<T>) -> Option<Vec<T>> {
+        let (texts, indices) = self.texts()?;
+        let meanings: Vec<Option<T>> = texts.into_iter().map(meaning).collect();
+        // Texts without a meaning may be there, as long as no row has one.
+        let is_odd = |&index: &i32| meaning_at(&meanings, index).is_some_and(|meaning| meaning.is_none());
+        if meanings.iter().any(Option::is_none) && indices.iter().any(is_odd) {
+            return None;
+        }
+        let meanings: Vec<T> = meanings.into_iter().map(|meaning| meaning.unwrap_or(absent)).collect();
+        Some(indices.into_iter().map(|index| meaning_at(&meanings, index).unwrap_or(absent)).collect())
+    }
+
+    /// Whole numbers, [`ABSENT_NUMBER`] where there is none.
+    pub(super) fn whole_numbers(self) -> Option<Vec<i32>> {
+        let number = |text: &str| parse_i64(text.as_bytes()).and_then(|number| i32::try_from(number).ok());
+        let Column { content: Content::Numbers(Values::Integers { mut values, unsigned }, _), mask } = self else {
+            return self.meanings(ABSENT_NUMBER, |text| number(text).filter(|&number| number != ABSENT_NUMBER));
+        };
+        if let Some(mask) = &mask {
+            for (value, masked) in values.iter_mut().zip(mask) {
+                *value = match masked {
+                    0 if unsigned && *value < 0 || *value == ABSENT_NUMBER => return None,
+                    0 => *value,
+                    _ => ABSENT_NUMBER,
+                };
+            }
+        } else if values.iter().any(|&value| unsigned && value < 0 || value == ABSENT_NUMBER) {
+            return None;
+        }
+        Some(values)
+    }
+
+    /// Numbers in single precision; `default` where there is none, or an absurd one.
+    pub(super) fn singles(self, default: f32) -> Option<Vec<f32>> {
+        let sound = |value: f64| if value.abs() < 1e30 { value as f32 } else { default };
+        let Content::Numbers(values, decimals) = &self.content else {
+            return self.meanings(default, |text| Some(number_of(text).map_or(default, |(value, _)| sound(value))));
+        };
+        let mut singles = Vec::with_capacity(values.len());
+        let mut some = [0.0; 256];
+        for first in (0..values.len()).step_by(some.len()) {
+            let some = &mut some[..(values.len() - first).min(256)];
+            numbers_at(values, first, *decimals, some)?;
+            singles.extend(some.iter().map(|&value| sound(value)));
+        }
+        if let Some(mask) = &self.mask {
+            singles.iter_mut().zip(mask).filter(|(_, masked)| **masked != 0).for_each(|(value, _)| *value = default);
+        }
+        Some(singles)
+    }
+
+    /// Decimals of a column of nothing but numbers, one in every row.
+    pub(super) fn decimals(&self) -> Option<u8> {
+        match (&self.content, &self.mask) {
+            (Content::Numbers(_, decimals), None) => Some(*decimals),
+            _ => None,
+        }
+    }
+
+    /// Some numbers of a column that has [`Column::decimals`].
+    pub(super) fn numbers(&self, first: usize, some: &mut [f64]) -> Option<()> {
+        match &self.content {
+            Content::Numbers(values, decimals) => numbers_at(values, first, *decimals, some),
+            Content::Texts(..) => None,
+        }
+    }
+}
+
+/// What stands for no number.
+pub(super) const ABSENT_NUMBER: i32 = i32::MIN;
+
+/// What a row has; `None` below 0.
+#[inline]
+pub(super) fn meaning_at<T: Copy>(meanings: &[T], index: i32) -> Option<T> {
+    meanings.get(usize::try_from(index).ok()?).copied()
+}
+
+/// As [`number_at`], of the rows from `first` on.
+#[inline]
+fn numbers_at(values: &Values, first: usize, decimals: u8, some: &mut [f64]) -> Option<()> {
+    fn each<T: Copy>(values: &[T], first: usize, some: &mut [f64], number: impl Fn(T) -> f64) -> Option<()> {
+        let values = values.get(first..first + some.len())?;
+        some.iter_mut().zip(values).for_each(|(slot, &value)| *slot = number(value));
+        Some(())
+    }
+    match values {
+        Values::Integers { values, unsigned: false } => each(values, first, some, f64::from),
+        Values::Integers { values, unsigned: true } => each(values, first, some, |value| f64::from(value as u32)),
+        Values::Fixed { values, factor } => each(values, first, some, |value| f64::from(value) / factor),
+        Values::Interval { values, min, step } => each(values, first, some, |value| min + f64::from(value) * step),
+        Values::Singles(values) => each(values, first, some, |value| from_single(value, decimals)),
+        Values::Doubles(values) => each(values, first, some, |value| value),
+    }
+}
+
 #[inline]
 fn text_at<'a>(texts: &[&'a str], indices: &[i32], row: usize) -> Option<&'a str> {
     let index = usize::try_from(*indices.get(row)?).ok()?;

@@ -6,6 +6,7 @@
 //! 1234 at a factor of 1000 becomes the f64 that the text `1.234` is.
 
 use super::msgpack::{Cursor, Malformed, Token};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The types of the specification by their numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -245,19 +246,23 @@ impl Problem {
 
 /// The bytes that decoded columns may still take.
 #[derive(Debug)]
-pub(super) struct Budget(std::cell::Cell<u64>);
+pub(super) struct Budget(AtomicU64);
 
 impl Budget {
     pub(super) fn new(bytes: u64) -> Budget {
-        Budget(std::cell::Cell::new(bytes))
+        Budget(AtomicU64::new(bytes))
+    }
+
+    /// Another one of as many bytes as are left here.
+    pub(super) fn again(&self) -> Budget {
+        Budget::new(self.0.load(Ordering::Relaxed))
     }
 
     /// Takes room for so many values; everything is paid before it is allocated.
     pub(super) fn spend(&self, count: usize, size: usize) -> Result<(), Problem> {
         let bytes = (count as u64).saturating_mul(size as u64);
-        let left = self.0.get().checked_sub(bytes).ok_or(Problem::TooLarge)?;
-        self.0.set(left);
-        Ok(())
+        let paid = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(bytes));
+        paid.map(drop).map_err(|_| Problem::TooLarge)
     }
 }
 

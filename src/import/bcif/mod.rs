@@ -4,7 +4,8 @@
 //! CIFTools", PLoS Comput. Biol. 2020, 16(10), e1008247.
 //!
 //! Way: MessagePack tokens ([`msgpack`]) → categories with their columns as they lie in the file ([`table`]) → those
-//! that a consumer asks for decoded ([`encoding`], [`column`]) → the consumers of mmCIF ([`super::cif`]).
+//! that a consumer asks for decoded ([`encoding`], [`column`]) → the consumers of mmCIF ([`super::cif`]). The atoms of a
+//! usual file never become rows: their columns are decoded at the same time and become the structure's ([`sites`]).
 //!
 //! Read are all encodings of the specification, in any order in which one can undo what another did, and masks.
 //! Accepted beyond it: keys in any order, unknown keys, a missing ByteArray (bytes), offsets of texts that count bytes,
@@ -19,6 +20,7 @@ mod column;
 mod encoder;
 mod encoding;
 mod msgpack;
+mod sites;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -48,9 +50,10 @@ pub(super) fn read(bytes: &[u8], records: &mut Records, diagnostics: &mut Diagno
     let context = Context::new(budget, limits.ratio);
     let mut first_problem = None;
     let outcome = read_blocks(&mut Cursor::new(bytes), &context, |block| {
-        let sites = match block.table(Category::AtomSite) {
-            Some(table) => AtomSites::from_table(&table, &limits),
-            None => Ok(AtomSites::new(&limits)),
+        let sites = match (block.plain_sites(&limits), block.table(Category::AtomSite)) {
+            (Some(sites), _) => Ok(sites),
+            (None, Some(table)) => AtomSites::from_table(&table, &limits),
+            (None, None) => Ok(AtomSites::new(&limits)),
         };
         let result = sites.and_then(|sites| block::finish(block, sites, records, diagnostics));
         if let Some(limit) = context.limit() {

@@ -3,10 +3,13 @@
 //! A column is decoded when a consumer asks for it by name, so that the columns nobody reads cost nothing. One that
 //! cannot be decoded is as if it were absent, and is remembered as a problem.
 
+use super::super::Limits;
+use super::super::cif::atoms::AtomSites;
 use super::super::cif::table::{ABSENT, Block, Category, Column as Index, Row, Table};
 use super::column::Column;
 use super::encoding::{Budget, Data, Problem};
 use super::msgpack::{Cursor, Malformed};
+use super::sites;
 use crate::error::Error;
 use std::borrow::Cow;
 use std::cell::{Cell, OnceCell, RefCell};
@@ -73,6 +76,15 @@ impl<'a, 'c> BinaryBlock<'a, 'c> {
         let mut block = BinaryBlock { name: Cow::Borrowed(""), tables: Vec::new() };
         let outcome = block.fill(cursor, context);
         (block, outcome)
+    }
+
+    /// The atoms, where they can be read column by column ([`sites`]).
+    pub(super) fn plain_sites(&self, limits: &Limits) -> Option<AtomSites> {
+        let table = self.tables.iter().find(|table| table.category == Category::AtomSite)?;
+        let columns: Vec<sites::Encoded<'_, 'a>> =
+            table.columns.iter().map(|column| (column.name, &column.data, column.mask.as_ref())).collect();
+        // What is read in vain here is not taken off.
+        sites::read(&columns, table.rows, &table.context.budget.again(), limits)
     }
 
     fn fill(&mut self, cursor: &mut Cursor<'a>, context: &'c Context) -> Result<(), Malformed> {

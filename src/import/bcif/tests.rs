@@ -203,6 +203,73 @@ fn atom_site() -> Packer {
     category("_atom_site", 4, &columns)
 }
 
+/// What a row of a usual table may say: places in lists of texts, and numbers.
+type Said = (usize, usize, i32, usize, bool, bool, i32);
+
+fn usual_columns(rows: &[Said], odd_symbol: bool) -> Vec<Packer> {
+    let steps = [Step::Delta, Step::ByteArray(3)];
+    let text = |value: &dyn Fn(&Said) -> Option<&'static str>| {
+        texts(&rows.iter().map(value).collect::<Vec<_>>(), &steps, &BYTES_3, Unit::Bytes)
+    };
+    let whole = |value: &dyn Fn(&Said) -> i32| data(&Source::Integers(rows.iter().map(value).collect()), &BYTES_3);
+    let float = |value: &dyn Fn(&Said) -> f64| {
+        let chain = [Step::FixedPoint(1000.0), Step::Delta, Step::Packing { bytes: 2, unsigned: false }];
+        data(&Source::Floats(rows.iter().map(value).collect()), &[&chain[..], &[Step::ByteArray(2)]].concat())
+    };
+    let mask = whole(&|said| i32::from(said.5) * 2);
+    let symbols = ["C", "D", "ZN", if odd_symbol { "Qq" } else { "Fe3+" }];
+    vec![
+        column("group_PDB", &text(&|said| Some(["ATOM", "HETATM"][usize::from(said.4)])), None),
+        column("id", &whole(&|said| said.2), None),
+        column("type_symbol", &text(&|said| Some(symbols[said.0])), None),
+        column("label_atom_id", &text(&|said| Some(["CA", "N", "O5'", "a long name"][said.0])), None),
+        column("label_alt_id", &text(&|said| [None, Some("A")][usize::from(said.5)]), None),
+        column("label_comp_id", &text(&|said| Some(["ALA", "GLY", "HOH"][said.1])), None),
+        column("label_asym_id", &text(&|said| Some(["A", "B", "C"][said.3])), None),
+        column("label_seq_id", &whole(&|said| said.6 + 1), Some(&mask)),
+        column("pdbx_PDB_ins_code", &text(&|said| [None, Some("B")][usize::from(said.4 && said.5)]), None),
+        column("Cartn_x", &float(&|said| f64::from(said.2) / 1000.0), None),
+        column("Cartn_y", &float(&|said| f64::from(said.6) / 8.0), None),
+        column("Cartn_z", &float(&|said| said.0 as f64), None),
+        column("occupancy", &float(&|said| if said.5 { 0.5 } else { 1.0 }), None),
+        column(
+            "B_iso_or_equiv",
+            &data(&Source::Floats(rows.iter().map(|said| f64::from(said.2)).collect()), &[Step::ByteArray(32)]),
+            Some(&mask),
+        ),
+        column("pdbx_formal_charge", &whole(&|said| said.6 % 3), Some(&mask)),
+        column("auth_seq_id", &whole(&|said| said.6), None),
+        column("auth_asym_id", &text(&|said| Some(["A", "BB", "a long chain"][said.3])), None),
+    ]
+}
+
+proptest! {
+    #[test]
+    fn columns_give_what_rows_give(
+        runs in proptest::collection::vec(((0usize..4, 0usize..3, 1i32..50, 0usize..3), (any::<bool>(), any::<bool>(), 1i32..4), 1usize..4), 1..20),
+        odd_symbol in any::<bool>(),
+    ) {
+        let one = |((a, b, c, d), (e, f, g), _): &_| (*a, *b, *c, *d, *e, *f, *g);
+        let rows: Vec<Said> = runs.iter().flat_map(|run| std::iter::repeat_n(one(run), run.2)).collect();
+        let mut columns = usual_columns(&rows, odd_symbol);
+        let by_column = file(&[category("_atom_site", rows.len(), &columns)]);
+        // A column that no usual table has, without a value: rows are read.
+        let nothing = texts(&vec![None; rows.len()], &BYTES_3, &BYTES_3, Unit::Bytes);
+        columns.push(column("calc_flag", &nothing, None));
+        let by_row = file(&[category("_atom_site", rows.len(), &columns)]);
+        let is_plain = |bytes: &[u8]| {
+            let at = bytes.windows(10).position(|window| window == b"dataBlocks").unwrap() + 11;
+            let context = super::Context::new(1 << 30, 100);
+            let (block, _) = super::BinaryBlock::read(&mut Cursor::new(&bytes[at..]), &context);
+            block.plain_sites(&Limits::default()).is_some()
+        };
+        let has_odd = odd_symbol && rows.iter().any(|said| said.0 == 3);
+        prop_assert_eq!((is_plain(&by_column), is_plain(&by_row)), (!has_odd, false));
+        let [by_column, by_row] = [by_column, by_row].map(|bytes| read(&bytes).unwrap());
+        prop_assert_eq!(by_column, by_row);
+    }
+}
+
 fn read(bytes: &[u8]) -> Result<Document> {
     read_bytes(bytes, "a.bcif", &ImportOptions::default())
 }

@@ -24,30 +24,30 @@ const B_OF_U: f64 = 8.0 * std::f64::consts::PI * std::f64::consts::PI;
 /// The columns of `_atom_site` that are read.
 #[derive(Debug, Clone)]
 pub(in crate::import) struct Columns {
-    position: [Column; 3],
-    pub(super) fractional: bool,
-    group: Column,
-    id: Column,
-    symbol: Column,
+    pub(in crate::import) position: [Column; 3],
+    pub(in crate::import) fractional: bool,
+    pub(in crate::import) group: Column,
+    pub(in crate::import) id: Column,
+    pub(in crate::import) symbol: Column,
     /// The label of a small-molecule file.
-    label: Column,
-    name: [Column; 2],
-    altloc: Column,
-    residue_name: [Column; 2],
-    chain: [Column; 2],
-    number: [Column; 2],
-    label_chain: Column,
-    label_number: Column,
-    insertion_code: Column,
-    occupancy: Column,
-    b_factor: Column,
-    u_factor: Column,
-    charge: Column,
-    model: Column,
-    assembly: Column,
-    group_of_disorder: Column,
-    calculated: Column,
-    has_residues: bool,
+    pub(in crate::import) label: Column,
+    pub(in crate::import) name: [Column; 2],
+    pub(in crate::import) altloc: Column,
+    pub(in crate::import) residue_name: [Column; 2],
+    pub(in crate::import) chain: [Column; 2],
+    pub(in crate::import) number: [Column; 2],
+    pub(in crate::import) label_chain: Column,
+    pub(in crate::import) label_number: Column,
+    pub(in crate::import) insertion_code: Column,
+    pub(in crate::import) occupancy: Column,
+    pub(in crate::import) b_factor: Column,
+    pub(in crate::import) u_factor: Column,
+    pub(in crate::import) charge: Column,
+    pub(in crate::import) model: Column,
+    pub(in crate::import) assembly: Column,
+    pub(in crate::import) group_of_disorder: Column,
+    pub(in crate::import) calculated: Column,
+    pub(in crate::import) has_residues: bool,
 }
 
 impl Columns {
@@ -100,11 +100,11 @@ impl Columns {
 
 /// Label identifiers of a residue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct ResidueLabel {
+pub(in crate::import) struct ResidueLabel {
     /// `label_asym_id`, in [`Model::label_names`].
-    pub(super) chain: NameId,
+    pub(in crate::import) chain: NameId,
     /// `label_seq_id`.
-    pub(super) number: Option<i64>,
+    pub(in crate::import) number: Option<i64>,
 }
 
 /// One model: its atoms so far.
@@ -183,6 +183,19 @@ impl AtomSites {
             codes: DisorderCodes::default(),
             oddities: Oddities::default(),
         }
+    }
+
+    /// The atoms of one model that were read another way than by rows, with their residues' labels and the decimals of
+    /// their positions.
+    pub(in crate::import) fn of_one_model(
+        builder: StructureBuilder,
+        labels: Vec<ResidueLabel>,
+        label_names: Names,
+        decimals: u8,
+        limits: &Limits,
+    ) -> AtomSites {
+        let model = Model { builder, labels, label_names, ..Model::new(1) };
+        AtomSites { models: vec![model], decimals, ..AtomSites::new(limits) }
     }
 
     /// All rows of a table.
@@ -337,11 +350,11 @@ impl AtomSites {
         true
     }
 
-    /// Adds what was read from the rows that follow.
+    /// Adds what was read from the rows that follow, whose lines were counted from line `base` on.
     ///
     /// # Errors
     /// A limit would be passed.
-    pub(super) fn append(&mut self, later: AtomSites) -> Result<()> {
+    pub(super) fn append(&mut self, later: AtomSites, base: u64) -> Result<()> {
         self.fractional |= later.fractional;
         self.decimals = self.decimals.max(later.decimals);
         for (mine, theirs) in [
@@ -352,7 +365,7 @@ impl AtomSites {
             (&mut self.oddities.long_altloc, later.oddities.long_altloc),
             (&mut self.oddities.models, later.oddities.models),
         ] {
-            mine.absorb(theirs);
+            mine.absorb(theirs.shifted(base));
         }
         for model in later.models {
             if model.builder.atom_count() == 0 {
@@ -473,7 +486,7 @@ fn either_is(row: &impl Row, [first, second]: [Column; 2], text: &str) -> bool {
 
 /// The one character of a code.
 #[inline]
-fn code(text: &str) -> Option<u8> {
+pub(in crate::import) fn code(text: &str) -> Option<u8> {
     text.as_bytes().first().copied().filter(|byte| byte.is_ascii_graphic())
 }
 

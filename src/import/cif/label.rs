@@ -6,11 +6,11 @@ use std::collections::HashMap;
 
 /// What a type symbol or a label means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Meaning {
-    pub(super) element: Element,
+pub(in crate::import) struct Meaning {
+    pub(in crate::import) element: Element,
     /// 2 or 3 for deuterium and tritium, else 0.
-    pub(super) isotope: u16,
-    pub(super) charge: i8,
+    pub(in crate::import) isotope: u16,
+    pub(in crate::import) charge: i8,
 }
 
 impl Meaning {
@@ -23,7 +23,7 @@ impl Meaning {
 /// A type symbol: an element, with what small-molecule files put behind it: charges (`Fe3+`, `O2-`, `Cu+2`, `Na+`)
 /// and numbers of types of their own (`C1`). `None` for what begins with no element.
 #[inline]
-pub(super) fn type_symbol(text: &str) -> Option<Meaning> {
+pub(in crate::import) fn type_symbol(text: &str) -> Option<Meaning> {
     Meaning::of(text.as_bytes()).or_else(|| decorated(text.trim_ascii()))
 }
 

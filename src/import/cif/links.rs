@@ -73,9 +73,8 @@ pub(super) fn read(block: &impl Block, diagnostics: &mut Diagnostics) -> Vec<Lin
         }
         let order = match (kind, row.text(order)) {
             (BondKind::Covalent, Some(order)) => {
-                super::component::order_of(&order).map_or(BondOrder::Single, |(order, _)| order)
+                super::component::order_of(&order).map_or(BondOrder::Unknown, |(order, _)| order)
             }
-            (BondKind::Covalent, None) => BondOrder::Single,
             _ => BondOrder::Unknown,
         };
         let ends = columns.map(
@@ -222,7 +221,11 @@ pub(super) fn resolve(
                 // What a row names itself, it means.
                 let named = link.ends.iter().all(|end| end.altloc.is_some());
                 if named || one == other || one == b' ' || other == b' ' {
-                    bonds.push(Bond { kind: link.kind, ..Bond::new(a, b, link.order, BondSource::Link) });
+                    // Without an order it is a single bond, except to a metal, where it may be of another kind.
+                    let has_metal = [a, b].iter().any(|&atom| structure.elements()[atom as usize].is_metal());
+                    let is_single = link.kind == BondKind::Covalent && link.order == BondOrder::Unknown && !has_metal;
+                    let order = if is_single { BondOrder::Single } else { link.order };
+                    bonds.push(Bond { kind: link.kind, ..Bond::new(a, b, order, BondSource::Link) });
                 }
             }
         }

@@ -24,7 +24,7 @@ pub(super) mod atoms;
 pub(super) mod block;
 mod component;
 mod crystal;
-mod label;
+pub(super) mod label;
 mod links;
 mod rows;
 pub(super) mod table;

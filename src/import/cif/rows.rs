@@ -11,13 +11,15 @@ use super::token::{Token, Tokens, Value, closing_quote, is_blank};
 use crate::error::{Error, Result};
 use crate::import::Limits;
 use crate::structure::Diagnostics;
-use memchr::{memchr, memchr_iter};
+use memchr::memchr;
 use rayon::prelude::*;
 
-/// Bytes from which on reading on all cores pays (a tenth of a second of one core's work).
-const LARGE: usize = 20 << 20;
-/// Bytes of one part: many enough for the cores to share, large enough that putting them together costs nothing.
-const PART: usize = 4 << 20;
+/// Bytes from which on reading on all cores pays (chosen: two parts).
+const LARGE: usize = 4 << 20;
+/// Bytes of one part: many enough for the cores to share, large enough that putting them together costs nothing (chosen).
+const PART: usize = 2 << 20;
+/// Parts that are read at the same time, for each thread.
+const PARTS_A_THREAD: usize = 2;
 /// Rows for which room is made in advance at most; what has more grows as it is read.
 const MAX_RESERVED: usize = 4 << 20;
 
@@ -92,41 +94,51 @@ impl<'a> RowReader<'_, 'a> {
         Ok((at, lines))
     }
 
-    /// Parts on all cores, up to the first line that is no row.
+    /// Parts on all cores, up to the first line that is no row; while some are put together, the next are read.
     fn read_parts(&mut self, tokens: &mut Tokens<'a>, sites: &mut AtomSites, part_bytes: usize) -> Result<()> {
         let (columns, limits, width) = (self.columns, self.limits, self.values.len());
-        loop {
-            let mut parts = Vec::new();
-            let (mut at, mut line) = (tokens.at, tokens.line);
-            while parts.len() < 2 * rayon::current_num_threads() && at < tokens.text.len() {
-                let least = (at + part_bytes).min(tokens.text.len());
-                let end = memchr(b'\n', &tokens.text[least..]).map_or(tokens.text.len(), |length| least + length + 1);
-                let text = &tokens.text[at..end];
-                parts.push((text, line));
-                line += memchr_iter(b'\n', text).count() as u64;
+        let (text, mut at) = (tokens.text, tokens.at);
+        let mut next_wave = || {
+            let mut parts: Vec<&'a [u8]> = Vec::new();
+            while parts.len() < PARTS_A_THREAD * rayon::current_num_threads() && at < text.len() {
+                let least = (at + part_bytes).min(text.len());
+                let end = memchr(b'\n', &text[least..]).map_or(text.len(), |length| least + length + 1);
+                parts.push(&text[at..end]);
                 at = end;
             }
-            if parts.is_empty() {
+            parts
+        };
+        // Lines are counted from the part's first one.
+        let read = |text: &'a [u8]| -> (&'a [u8], Result<Part>) {
+            let mut sites = AtomSites::new(limits);
+            sites.begin(columns, expected_rows(text));
+            let mut reader = RowReader { columns, limits, values: vec![None; width] };
+            let outcome = reader.read_lines(text, 0, &mut sites);
+            (text, outcome.map(|(bytes, lines)| Part { sites, bytes, lines }))
+        };
+        let read_all = |parts: Vec<&'a [u8]>| -> Vec<_> { parts.into_par_iter().map(read).collect() };
+        let mut ready = read_all(next_wave());
+        while !ready.is_empty() {
+            let wave = next_wave();
+            let put_together = || -> Result<bool> {
+                for (text, part) in ready {
+                    let part = part.map_err(|error| further_on(error, tokens.line))?;
+                    sites.append(part.sites, tokens.line)?;
+                    tokens.at += part.bytes;
+                    tokens.line += part.lines;
+                    if part.bytes < text.len() {
+                        return Ok(false);
+                    }
+                }
+                Ok(true)
+            };
+            let (goes_on, read) = rayon::join(put_together, || read_all(wave));
+            if !goes_on? {
                 return Ok(());
             }
-            let read = |&(text, line): &(&'a [u8], u64)| -> Result<Part> {
-                let mut sites = AtomSites::new(limits);
-                sites.begin(columns, expected_rows(text));
-                let mut reader = RowReader { columns, limits, values: vec![None; width] };
-                let (bytes, lines) = reader.read_lines(text, line, &mut sites)?;
-                Ok(Part { sites, bytes, lines })
-            };
-            let results: Vec<Result<Part>> = parts.par_iter().map(read).collect();
-            for (result, (text, _)) in results.into_iter().zip(&parts) {
-                let part = result?;
-                sites.append(part.sites)?;
-                tokens.at += part.bytes;
-                tokens.line += part.lines;
-                if part.bytes < text.len() {
-                    return Ok(());
-                }
-            }
+            ready = read;
         }
+        Ok(())
     }
 
     /// Rows however they stand, up to what is no value.
@@ -184,6 +196,14 @@ impl<'a> RowReader<'_, 'a> {
             }
             sites.push(self.columns, &TextRow { values: &self.values, line })?;
         }
+    }
+}
+
+/// An error whose lines were counted from another one on.
+fn further_on(error: Error, lines: u64) -> Error {
+    match error {
+        Error::Limit { line, message } => Error::limit(line.map(|line| line + lines), message),
+        other => other,
     }
 }
 

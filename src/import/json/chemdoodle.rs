@@ -88,6 +88,11 @@ impl Molecule {
         (mean > LONGEST_MEAN).then_some(DRAWN_BOND / mean)
     }
 
+    /// Whether it is a drawing, which becomes a flat molecule.
+    pub(super) fn is_drawing(&self) -> bool {
+        self.drawing_scale().is_some()
+    }
+
     pub(super) fn build(self, diagnostics: &mut Diagnostics) -> Result<StructureBuilder> {
         let scale = self.drawing_scale();
         let mut builder = StructureBuilder::new();
@@ -125,9 +130,6 @@ impl Molecule {
         }
         if unknown > 0 {
             diagnostics.warn(None, format!("{unknown} atoms have no known element and are kept without one"));
-        }
-        if scale.is_some() {
-            diagnostics.warn(None, "the molecule is a drawing; it is flat, with bonds scaled to 1.5 Å");
         }
         builder.set_decimals(if scale.is_some() { Positions::MAX_DECIMALS } else { decimals });
         builder.set_stated_bonds(StatedBonds::Complete);

@@ -126,9 +126,19 @@ fn read_other(text: &[u8], root: &Root<'_>, records: &mut Records, diagnostics: 
         return none_is_an_error(Format::PubChemJson, records);
     }
     if root.m.is_some() || root.a.is_some() {
+        let mut drawings = 0;
         for (index, molecule) in parse::<chemdoodle::Root>(text)?.molecules().enumerate() {
             records.check_atoms(molecule.atom_count(), 1)?;
+            drawings += usize::from(molecule.is_drawing());
             push_record(molecule.build(diagnostics), index, records, diagnostics)?;
+        }
+        match drawings {
+            0 => {}
+            1 => diagnostics.warn(None, "the molecule is a drawing; it is flat, with bonds scaled to 1.5 Å"),
+            _ => {
+                let message = format!("{drawings} molecules are drawings; they are flat, with bonds scaled to 1.5 Å");
+                diagnostics.warn(None, message);
+            }
         }
         return none_is_an_error(Format::ChemDoodleJson, records);
     }

@@ -186,4 +186,9 @@ fn chemdoodle_drawings_are_scaled_and_models_are_not() {
     let bare = one(r#"{"a": [{"x": 0, "y": 0}, {"x": 1.5, "y": 0}], "b": [{"b": 0, "e": 1}]}"#);
     assert_eq!((bare.positions().get(1).x, bare.bonds()[0].order), (1.5, BondOrder::Single));
     assert!(read(r#"{"m": []}"#).is_err());
+    // Said once of all.
+    let pair = r#"{"a": [{"x": 0, "y": 0}, {"x": 20, "y": 0}], "b": [{"b": 0, "e": 1}]}"#;
+    let two = read(&format!(r#"{{"m": [{pair}, {pair}]}}"#)).unwrap();
+    let said: Vec<&str> = two.diagnostics.iter().map(|diagnostic| diagnostic.message.as_str()).collect();
+    assert_eq!(said, ["2 molecules are drawings; they are flat, with bonds scaled to 1.5 Å"]);
 }

@@ -235,12 +235,11 @@ fn resolve_links(
                 format!("the bond is left out: there is no atom {atom}")
             });
         }
-        let order = BondOrder::Single;
         for &a in &from {
             for &b in &to {
                 let [one, other] = [a, b].map(|atom| structure.altloc(atom as usize));
                 if one == other || one == b' ' || other == b' ' {
-                    bonds.push(Bond::new(a, b, order, BondSource::Link));
+                    bonds.push(Bond::new(a, b, BondOrder::Single, BondSource::Link));
                 }
             }
         }

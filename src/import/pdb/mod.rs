@@ -2,8 +2,8 @@
 //!
 //! Specification: wwPDB, "Protein Data Bank Contents Guide: Atomic Coordinate Entry Format Description", version 3.30
 //! (2012), <https://www.wwpdb.org/documentation/file-format-content/format33/v3.3.html>.
-//! Read are TITLE, CRYST1, MODEL, ATOM, HETATM, ENDMDL, CONECT, SSBOND, LINK, HELIX, SHEET, END, HEADER (begins a
-//! further entry); all other records are passed over.
+//! Read are TITLE, CRYST1, REMARK 290 ([`symmetry`]), MODEL, ATOM, HETATM, ENDMDL, CONECT, SSBOND, LINK, HELIX, SHEET, END,
+//! HEADER (begins a further entry); all other records are passed over.
 //!
 //! Accepted beyond the specification:
 //! - lines of any length from the z coordinate on; missing occupancy is 1, missing B is 0;
@@ -24,12 +24,15 @@ mod chunks;
 pub(super) mod element;
 mod fields;
 mod number;
+mod symmetry;
 
 use super::collect::Records;
 use super::number::{parse_f64, parse_i64};
 use super::text::{Repeated, columns, field, lossy, shown};
 use crate::error::{Error, Result};
-use crate::structure::{Cell, Diagnostics, SecondaryElement, StatedBonds, StructureBuilder, Symmetry};
+use crate::structure::{
+    Cell, Diagnostics, SecondaryElement, StatedBonds, StructureBuilder, Symmetry, SymmetryOperation,
+};
 use atoms::{AtomReader, Numbers};
 use bonds::{Budget, Conect, Link, LinkEnd, Serial};
 use chunks::{Event, Most, Scan};
@@ -186,11 +189,12 @@ struct Oddities {
     model: Repeated,
     conect: Repeated,
     link: Repeated,
+    symmetry: Repeated,
 }
 
 impl Oddities {
     fn report(&self, diagnostics: &mut Diagnostics) {
-        for oddity in [&self.model, &self.conect, &self.link] {
+        for oddity in [&self.model, &self.conect, &self.link, &self.symmetry] {
             oddity.warn(diagnostics);
         }
     }
@@ -210,6 +214,9 @@ struct Reader {
     title: String,
     cell: Option<Cell>,
     space_group: String,
+    operations: Vec<SymmetryOperation>,
+    /// REMARK 290 that no CRYST1 was read with yet.
+    symmetry_rows: symmetry::Rows,
     /// CONECT of the model being read.
     conects: Vec<Conect>,
     /// CONECT of all models of the entry.
@@ -236,6 +243,8 @@ impl Reader {
             title: String::new(),
             cell: None,
             space_group: String::new(),
+            operations: Vec::new(),
+            symmetry_rows: symmetry::Rows::default(),
             conects: Vec::new(),
             entry_conects: Vec::new(),
             links: Vec::new(),
@@ -274,7 +283,12 @@ impl Reader {
                     self.title.push_str(&text);
                 }
             }
-            b"CRYST1" => self.cell(line, number, diagnostics),
+            b"CRYST1" => {
+                self.operations.clear();
+                self.cell(line, number, diagnostics);
+                self.take_symmetry();
+            }
+            b"REMARK" => self.symmetry_rows.push(line, number, &mut self.oddities.symmetry),
             b"MODEL" => {
                 self.end_model(records, diagnostics);
                 self.in_model = true;
@@ -365,6 +379,14 @@ impl Reader {
         self.space_group = lossy(field(line, 55, 66)).into_owned();
     }
 
+    /// The operations of REMARK 290, if it was met and there is a cell.
+    fn take_symmetry(&mut self) {
+        if let Some(cell) = self.cell.filter(|_| !self.symmetry_rows.is_empty()) {
+            let rows = std::mem::take(&mut self.symmetry_rows);
+            self.operations = rows.operations(&cell, &mut self.oddities.symmetry);
+        }
+    }
+
     fn conect(&mut self, line: &[u8], number: u64) {
         self.states_bonds = true;
         let from_text = field(line, 6, 11);
@@ -409,9 +431,11 @@ impl Reader {
         builder.set_decimals(self.decimals);
         builder.set_title(self.title.clone());
         builder.set_cell(self.cell);
-        if self.cell.is_some() && !self.space_group.is_empty() {
-            let space_group = self.space_group.clone();
-            builder.set_symmetry(Some(Symmetry { space_group, operations: Vec::new() }));
+        // REMARK 290 may also stand behind CRYST1.
+        self.take_symmetry();
+        if self.cell.is_some() && !(self.space_group.is_empty() && self.operations.is_empty()) {
+            let (space_group, operations) = (self.space_group.clone(), self.operations.clone());
+            builder.set_symmetry(Some(Symmetry { space_group, operations }));
         }
         // Every record gets its copy, so that the number of copies is bounded, too.
         if self.copies.spend(self.secondary.len()) {
@@ -448,6 +472,9 @@ impl Reader {
     fn begin_entry(&mut self) {
         self.title.clear();
         self.cell = None;
+        self.space_group.clear();
+        self.operations.clear();
+        self.symmetry_rows = symmetry::Rows::default();
         self.entry_conects.clear();
         self.links.clear();
         self.secondary.clear();

@@ -130,8 +130,8 @@ impl Waves {
         while left > 0 {
             let atoms = left.min(self.part_atoms);
             parts.push(Part { lines: lines.clone(), atoms });
-            for _ in 0..atoms {
-                lines.next()?;
+            if !lines.pass_over(atoms) {
+                return None;
             }
             left -= atoms;
         }
@@ -161,6 +161,7 @@ fn read_frame(found: &Found<'_>) -> Option<Read> {
 
 fn read_part(part: &Part<'_>, first: &Frame, comment: &Comment) -> Option<(Frame, Notes)> {
     let mut frame = Frame::part_of(first, comment);
+    frame.builder.reserve_positions(part.atoms);
     let mut notes = Notes::default();
     let mut lines = part.lines.clone();
     for _ in 0..part.atoms {

@@ -24,7 +24,7 @@ impl StructureBuilder {
         }
         self.append_serials(&other);
         self.element.extend_from_slice(&other.element);
-        self.points.append(&other.points);
+        self.points.append(other.points);
         append_sparse(&mut self.flags, before, &other.flags, added, 0);
         append_sparse(&mut self.altloc, before, &other.altloc, added, b' ');
         append_sparse(&mut self.occupancy, before, &other.occupancy, added, 1.0);
