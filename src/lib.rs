@@ -53,7 +53,7 @@
 //! # The picture
 //!
 //! There is one definition of the picture, in [`render::frame`] and [`render::field`]; each renderer computes it. `render::cpu::reference` is plain,
-//! scalar and single-threaded: it is the truth, and the only writer of golden pictures. `render::cpu::tiles` gives the same bytes on all cores.
+//! scalar and single-threaded: it is the truth, and the only writer of golden pictures. `render::cpu::tiles` gives the same bytes on all cores (but for light from afar, see below).
 //! `render::gpu` draws the same instance bytes as impostors, with WGSL twins of the Rust functions under the same names; parity tests compare ids, depth,
 //! normals and colour.
 //!
@@ -62,13 +62,18 @@
 //! - The ground is lit by the scene's distance field: the key light's penumbra from the smallest `sharpness · distance / t` along the way to
 //!   the light, and the sky's part from how far the field falls short above the ground ([`render::field`]). Where one would usually march
 //!   along the way, each primitive is asked at its own nearest point of it, found through the hierarchy: it is faster and leaves no bands.
+//! - Ambient occlusion is the part of the sky that a surface point sees, over 64 fixed directions, without a reach; the key light's shadow
+//!   on the molecule is the mean over 16 directions in a cone ([`render::sky`]). The reference casts rays; the product and the
+//!   GPU draw a depth map from each direction and compare points where their tangent plane passes a texel's centre, so that no
+//!   bias is needed. It is asked once for each primitive in each pixel; what is seen and how it is turned is found at every sample.
 //! - Ground and background are smooth and found once a pixel; what a primitive covers is found and shaded at every sample.
 //!
 //! # Known limits
 //!
 //! - Without hydrogens, which nitrogen of an azole carries one, and keto or enol, is guessed from lengths: about 3 % of such molecules
 //!   come out as the other form.
-//! - No ambient occlusion (`--ao`) or cast shadows on the molecule itself yet; outlines and labels are missing.
+//! - Outlines and labels are missing. The edges of ambient occlusion and of shadows on the molecule are as fine as a texel of the
+//!   light's depth maps: 0.02 Å for a small molecule, 0.3 Å for 100,000 atoms.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
 //! - A truncated single-frame XYZ file is refused, not shown in part.
 //! - Symmetry is applied where the file lists its operations (CIF of small molecules, REMARK 290 of PDB), not from the name of the

@@ -100,7 +100,7 @@ pub struct RenderArgs {
     /// Draw only this part of the full picture, in pixels from its upper left corner
     #[arg(long, value_name = "X,Y,W,H", help_heading = "Picture")]
     pub region: Option<Region>,
-    /// Effort, and shadows to match
+    /// Effort: samples, ambient occlusion and shadows
     #[arg(long, value_name = "LEVEL", default_value = "standard", help_heading = "Picture")]
     pub quality: QualityArg,
     /// Samples a pixel, 1 to 4096, in place of what the quality says
@@ -441,7 +441,7 @@ mod tests {
     #[test]
     fn what_is_not_there_is_refused() {
         for flags in [
-            &["--ao=64"][..],
+            &["--ao=257"][..],
             &["--channel=ao"],
             &["--samples=0"],
             &["--samples=5000"],
