@@ -132,14 +132,17 @@ pub(super) fn settle(
         return;
     }
     let mut around: HashMap<u32, Vec<(u32, u32)>> = HashMap::new();
+    let mut is_beside = vec![false; elements.len()];
     for &index in &untold {
         for atom in [bonds[index as usize].a, bonds[index as usize].b] {
             around.entry(atom).or_default();
+            is_beside[atom as usize] = true;
         }
     }
     for (index, bond) in bonds.iter().enumerate().filter(|(_, bond)| bond.kind != BondKind::Hydrogen) {
         for (atom, other) in [(bond.a, bond.b), (bond.b, bond.a)] {
-            if let Some(list) = around.get_mut(&atom) {
+            // Most atoms have no metal: these are not looked up.
+            if let (Some(true), Some(list)) = (is_beside.get(atom as usize), around.get_mut(&atom)) {
                 list.push((other, index as u32));
             }
         }

@@ -86,13 +86,8 @@ impl<'a> Setup<'a> {
                 })
                 .unwrap_or(0)
         };
-        let mut limits = vec![0u8; self.graph.bonds().len()];
-        for atom in (0..self.graph.atom_count()).filter(|&atom| most[atom] > 0) {
-            for &neighbour in self.graph.around(atom).iter().filter(|neighbour| neighbour.atom as usize > atom) {
-                limits[neighbour.bond as usize] = limit(atom, neighbour);
-            }
-        }
-        limits
+        let bonds = (0..self.graph.bonds().len() as u32).into_par_iter().with_min_len(4096);
+        bonds.map(|bond| self.graph.edge(bond).map_or(0, |(atom, neighbour)| limit(atom, neighbour))).collect()
     }
 
     /// Extra pairs of the bonds whose order stands.

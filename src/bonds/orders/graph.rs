@@ -56,10 +56,7 @@ impl<'a> Graph<'a> {
         let mut start = vec![0u32; count + 1];
         let mut held = vec![Held::default(); count];
         let mut to_metals = Vec::new();
-        let is_edge = |bond: &Bond| {
-            let (a, b) = (bond.a as usize, bond.b as usize);
-            a < count && b < count && a != b && is_heavy(elements[a]) && is_heavy(elements[b]) && is_shared(bond)
-        };
+        let is_edge = |bond: &Bond| is_edge(elements, bond);
         for (index, bond) in bonds.iter().enumerate() {
             let ends = [bond.a as usize, bond.b as usize];
             if ends.iter().any(|&end| end >= count) || ends[0] == ends[1] || bond.kind == BondKind::Hydrogen {
@@ -118,6 +115,13 @@ impl<'a> Graph<'a> {
         self.bonds
     }
 
+    /// An edge as the atom of lower index has it; `None` for a bond that is no edge.
+    pub(super) fn edge(&self, bond: u32) -> Option<(usize, Neighbour)> {
+        let ends = &self.bonds[bond as usize];
+        let (low, high) = (ends.a.min(ends.b), ends.a.max(ends.b));
+        is_edge(self.elements, ends).then_some((low as usize, Neighbour { atom: high, bond }))
+    }
+
     /// The heavy neighbours of an atom.
     pub(super) fn around(&self, atom: usize) -> &[Neighbour] {
         &self.around[self.start[atom] as usize..self.start[atom + 1] as usize]
@@ -158,6 +162,12 @@ impl<'a> Graph<'a> {
             _ => between,
         }
     }
+}
+
+/// Whether a bond is an edge of the graph.
+fn is_edge(elements: &[Element], bond: &Bond) -> bool {
+    let heavy = |atom: u32| elements.get(atom as usize).is_some_and(|&element| is_heavy(element));
+    is_shared(bond) && bond.a != bond.b && heavy(bond.a) && heavy(bond.b)
 }
 
 /// Whether a bond is an electron pair to which both atoms gave; a dative one is a donor's, as that to a metal.

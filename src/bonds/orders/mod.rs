@@ -69,13 +69,21 @@ pub(super) fn perceive(elements: &[Element], positions: &[Vec3], cell: Option<&C
         return;
     }
     let mut is_open = open_bonds(elements, bonds);
-    let by_rule = inorganic::find(&Graph::new(elements, positions, bonds, cell), &is_open);
-    for (bond, order) in by_rule {
-        bonds[bond as usize].order = BondOrder::from_number(u32::from(order));
-        is_open[bond as usize] = false;
+    if !is_open.contains(&true) {
+        return;
     }
+    let graph = Graph::new(elements, positions, bonds, cell);
+    let by_rule = inorganic::find(&graph, &is_open);
     let found = {
-        let graph = Graph::new(elements, positions, bonds, cell);
+        let graph = if by_rule.is_empty() {
+            graph
+        } else {
+            for (bond, order) in by_rule {
+                bonds[bond as usize].order = BondOrder::from_number(u32::from(order));
+                is_open[bond as usize] = false;
+            }
+            Graph::new(elements, positions, bonds, cell)
+        };
         let Some(reach) = reach(&graph, &is_open) else { return };
         let rings = rings::find(&graph, |atom| reach[atom], rings::LARGEST_RING);
         let known = hydrogens_known(&graph, &reach);
