@@ -1,5 +1,7 @@
 //! Functional groups with and without hydrogens, from geometry alone.
 
+use super::component::Component;
+use super::solve::{Problem, Solver};
 use super::*;
 use crate::bonds::{BondMode, BondOptions, assign, find};
 use crate::structure::{AtomRecord, Diagnostics, StatedBonds, StructureBuilder};
