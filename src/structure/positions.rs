@@ -122,6 +122,17 @@ impl Points {
         self.open.extend_from_slice(&halves(point));
     }
 
+    pub(super) fn extend(&mut self, mut points: &[DVec3]) {
+        while !points.is_empty() {
+            if self.open.len() >= 2 * PIECE {
+                self.close();
+            }
+            let (now, later) = points.split_at(points.len().min(PIECE - self.open.len() / 2));
+            self.open.extend_from_slice(bytemuck::cast_slice(now));
+            points = later;
+        }
+    }
+
     #[cold]
     fn close(&mut self) {
         let next = Vec::with_capacity(2 * PIECE);
@@ -322,7 +333,11 @@ mod tests {
                 let mut from = 0;
                 for &to in cuts.iter().chain([&points.len()]) {
                     let mut part = Points::default();
-                    points[from..to].iter().for_each(|&point| part.push(point));
+                    if from == 0 {
+                        points[from..to].iter().for_each(|&point| part.push(point));
+                    } else {
+                        points[from..to].chunks(1000).for_each(|some| part.extend(some));
+                    }
                     all.append(part);
                     from = to;
                 }
