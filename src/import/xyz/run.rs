@@ -122,3 +122,38 @@ fn line_end(text: &[u8], at: usize) -> Option<usize> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::comment;
+    use super::*;
+    use crate::structure::Diagnostics;
+
+    #[test]
+    fn a_run_ends_at_the_first_line_that_is_not_plain() {
+        let comment = comment::read(b"", 2, &mut Diagnostics::default());
+        let padding = "C 1.0 1.0 1.0\n".repeat(4);
+        for (odd, want) in [
+            ("Fe -1.5 .25 100.125\r\n", 5),
+            ("  c   1.123456789   2.5  -3.5  \n", 5),
+            ("C 1 2.5 3.5\n", 1),
+            ("C 1.5 2.5 3.5 0.1\n", 1),
+            ("C\t1.5 2.5 3.5\n", 1),
+            ("CA1 1.5 2.5 3.5\n", 1),
+            ("D 1.5 2.5 3.5\n", 1),
+            ("C 1.5 2.5e0 3.5\n", 1),
+            ("C 1.5 2.5\nC 3.5 1.0 1.0\n", 1),
+            ("C 999999999.5 2.5 3.5\n", 1),
+            ("\n", 1),
+        ] {
+            let text = format!("N 0.5 0.25 -7.0\n{odd}{padding}{:20}", "");
+            let mut lines = Lines::new(text.as_bytes(), 1 << 20);
+            let (mut frame, mut notes) = (Frame::new(&comment), Notes::default());
+            assert!(frame.begin(b"N 0.5 0.25 -7.0", &comment));
+            assert_eq!(frame.plain_run(&mut lines, 5, &comment, &mut notes), want, "{odd:?}");
+            assert_eq!((frame.builder.atom_count(), lines.number()), (want, want as u64));
+            let behind = if want == 1 { odd.lines().next() } else { Some("C 1.0 1.0 1.0") };
+            assert_eq!(lines.next(), behind.map(str::as_bytes), "{odd:?}");
+        }
+    }
+}
