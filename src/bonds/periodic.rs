@@ -14,7 +14,8 @@ use super::{BondOptions, distance, hbonds};
 use crate::structure::{Bond, Cell, Positions, Structure};
 use glam::{DVec3, IVec3};
 
-/// This many images are always affordable (one atom in a cell of 2.5 Å under a shell of 10 Å has 728); of a larger structure, [`IMAGES_PER_ATOM`].
+/// This many images are always affordable (one atom in a cell of 2.5 Å under a shell of 10 Å has 728); of a larger
+/// structure, [`IMAGES_PER_ATOM`].
 const MOST_IMAGES: usize = 20_000;
 /// A cubic cell of 4 Å under a shell of 8 Å has 124 images an atom; larger structures have fewer.
 const IMAGES_PER_ATOM: usize = 27;

@@ -205,10 +205,10 @@ impl Points {
         // Only a molecule spread over thousands of ångström about its origin can lose what f64 held.
         let half_unit = 0.5 * 10f64.powi(-i32::from(decimals));
         let narrow = |piece: Piece| narrowed(piece, origin, (!fits_f32).then_some(half_unit));
-        let narrow_all = |pieces: Vec<Piece>| -> Vec<Narrowed> { pieces.into_par_iter().map(narrow).collect() };
-        let mut narrow_pieces = match <[Piece; 1]>::try_from(pieces) {
-            Ok([only]) => vec![narrow(only)],
-            Err(pieces) => narrow_all(pieces),
+        // One piece, as of most molecules, wakes no other core.
+        let mut narrow_pieces: Vec<Narrowed> = match pieces.len() {
+            1 => pieces.into_iter().map(narrow).collect(),
+            _ => pieces.into_par_iter().map(narrow).collect(),
         };
         let lost = narrow_pieces.iter().any(|piece| piece.lost);
         let fine: Vec<DVec3> = match narrow_pieces.as_mut_slice() {

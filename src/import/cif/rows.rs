@@ -14,7 +14,7 @@ use crate::structure::Diagnostics;
 use memchr::memchr;
 use rayon::prelude::*;
 
-/// Bytes from which on reading on all cores pays (chosen: two parts).
+/// Bytes from which on reading on all cores pays (chosen: some parts for each of a few cores).
 const LARGE: usize = 4 << 20;
 /// Bytes of one part: small enough that the cores end a wave at nearly the same time, large enough that putting parts together
 /// costs little (chosen).
