@@ -1,7 +1,7 @@
 //! The pairs of atoms that are near enough to bond, as a graph from which the rules drop what is none.
 
 use crate::element::Element;
-use crate::structure::Bond;
+use crate::structure::{Bond, ByAtom};
 
 /// Contacts of a nonmetal beyond which it lies in a pile and has no inferred bonds. Twelve is the most of any real
 /// solid (boron clusters have 6 to 8), 24 leaves room for unlabelled disorder. The limit keeps the work on a
@@ -64,15 +64,12 @@ impl Ord for OrderedF32 {
 /// All contacts, and those of each atom.
 pub(super) struct Contacts {
     list: Vec<Contact>,
-    /// The contacts of atom `i` are `around[start[i]..start[i + 1]]`.
-    start: Vec<u32>,
-    around: Vec<u32>,
+    around: ByAtom<u32>,
 }
 
 impl Contacts {
     /// The graph of the stated bonds and the contacts found, of which the stated pairs are left out.
     pub(super) fn new(elements: &[Element], stated: &[Bond], mut found: Vec<Contact>) -> Contacts {
-        let atom_count = elements.len();
         drop_piles(elements, &mut found);
         if !stated.is_empty() {
             found.retain(|contact| {
@@ -85,30 +82,15 @@ impl Contacts {
                 state: State::Stated,
             }));
         }
-        let mut start = vec![0u32; atom_count + 1];
-        for contact in &found {
-            start[contact.a as usize] += 1;
-            start[contact.b as usize] += 1;
-        }
-        let mut sum = 0;
-        for count in &mut start {
-            sum += *count;
-            *count = sum;
-        }
-        let mut around = vec![0u32; found.len() * 2];
-        for (index, contact) in found.iter().enumerate().rev() {
-            for atom in [contact.a, contact.b] {
-                let slot = &mut start[atom as usize];
-                *slot -= 1;
-                around[*slot as usize] = index as u32; // fewer than 2^32: each takes 16 bytes
-            }
-        }
-        Contacts { list: found, start, around }
+        // Fewer than 2^32: each takes 16 bytes.
+        let numbers = || (0u32..).zip(&found).flat_map(|(number, contact)| [(contact.a, number), (contact.b, number)]);
+        let around = ByAtom::new(elements.len(), numbers);
+        Contacts { list: found, around }
     }
 
     /// The number of atoms.
     pub(super) fn atom_count(&self) -> usize {
-        self.start.len() - 1
+        self.around.atom_count()
     }
 
     /// All contacts, the dropped ones too, by their numbers.
@@ -118,7 +100,7 @@ impl Contacts {
 
     /// The numbers of all contacts of an atom, the dropped ones too.
     pub(super) fn numbers(&self, atom: usize) -> &[u32] {
-        &self.around[self.start[atom] as usize..self.start[atom + 1] as usize]
+        self.around.of(atom)
     }
 
     /// The contacts of an atom that are not dropped: number, contact, other atom.

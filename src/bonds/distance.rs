@@ -45,16 +45,12 @@ pub(super) fn find(
     let grid = Grid::new(positions, elements, &table, takes_part);
     let found = grid.pairs(|a, b, distance| {
         let (element_a, element_b) = (elements[a as usize], elements[b as usize]);
-        if rules::is_too_near(distance) || !sites.may_bond(a as usize, b as usize) {
-            return None;
-        }
         let excess = distance - rules::radii(element_a, element_b);
-        is_open(structure, known, [a as usize, b as usize], excess).then_some(Contact {
-            a,
-            b,
-            excess,
-            state: State::Open,
-        })
+        // What is known comes first: of a protein it settles most pairs.
+        let may_be = !rules::is_too_near(distance)
+            && is_open(structure, known, [a as usize, b as usize], excess)
+            && sites.may_bond(a as usize, b as usize);
+        may_be.then_some(Contact { a, b, excess, state: State::Open })
     });
     // The rules look at atoms with contacts and all that these are bonded to: bonds of others are left out, most of a
     // structure whose residues are known.

@@ -25,6 +25,8 @@ const MOST_CELLS: f32 = ((1u32 << AXIS_BITS) - 4) as f32;
 const FEW_METALS: usize = 8;
 /// Cells in one piece of work.
 const CELLS_PER_TASK: usize = 16_384;
+/// Atoms in one piece of work.
+const ATOMS_PER_TASK: usize = 65_536;
 /// Distances computed at once.
 const LANES: usize = 8;
 /// The rows ahead of a cell, as steps in y and z.
@@ -129,7 +131,8 @@ impl<'a> Grid<'a> {
 
     /// Sorts the slots by cell and fills the list of cells.
     fn sort(&mut self) {
-        let keys: Vec<u64> = self.slots.iter().map(|slot| key(self.cell_of(slot.position))).collect();
+        let slots = self.slots.par_iter().with_min_len(ATOMS_PER_TASK);
+        let keys: Vec<u64> = slots.map(|slot| key(self.cell_of(slot.position))).collect();
         let mask = (1u64 << AXIS_BITS) - 1;
         let dims = keys.iter().fold([0u64; 3], |dims, &key| {
             [dims[0].max(key & mask), dims[1].max((key >> AXIS_BITS) & mask), dims[2].max(key >> (2 * AXIS_BITS))]
@@ -141,9 +144,7 @@ impl<'a> Grid<'a> {
             };
             counting_sort(&keys, volume as usize, |key| row(key) as usize)
         } else {
-            let mut order: Vec<u32> = (0..keys.len() as u32).collect();
-            order.par_sort_unstable_by_key(|&slot| (keys[slot as usize], slot));
-            order
+            radix_sort(&keys)
         };
         let mut start = 0;
         while start < order.len() {
@@ -324,6 +325,38 @@ fn counting_sort(keys: &[u64], bins: usize, bin: impl Fn(u64) -> usize) -> Vec<u
     order
 }
 
+/// Bits of a digit of [`radix_sort`]: its counts stay in the nearest cache.
+const DIGIT_BITS: u32 = 11;
+
+/// The same for keys of any size: digit after digit, without those that are the same in all keys.
+fn radix_sort(keys: &[u64]) -> Vec<u32> {
+    let mut order: Vec<(u64, u32)> = keys.iter().zip(0..).map(|(&key, number)| (key, number)).collect();
+    let first = keys.first().copied().unwrap_or(0);
+    let mut varied = keys.iter().fold(0, |varied, key| varied | (key ^ first));
+    let mut next = vec![(0, 0); keys.len()];
+    while varied != 0 {
+        let shift = varied.trailing_zeros();
+        let mask = (1u64 << DIGIT_BITS) - 1;
+        let digit = |key: u64| ((key >> shift) & mask) as usize;
+        let mut start = [0u32; 1 << DIGIT_BITS];
+        for &(key, _) in &order {
+            start[digit(key)] += 1;
+        }
+        let mut sum = 0;
+        for start in &mut start {
+            sum += std::mem::replace(start, sum);
+        }
+        for &entry in &order {
+            let slot = &mut start[digit(entry.0)];
+            next[*slot as usize] = entry;
+            *slot += 1;
+        }
+        std::mem::swap(&mut order, &mut next);
+        varied &= !(mask << shift);
+    }
+    order.into_iter().map(|(_, number)| number).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::BondOptions;
@@ -370,6 +403,18 @@ mod tests {
         scattered.extend(cloud(500, 12.0).iter().map(|point| *point + Vec3::new(9e4, -4e4, 2e3)));
         compare_with_all_pairs(&scattered, &["C", "N"]);
         compare_with_all_pairs(&scattered, &few_metals);
+    }
+
+    #[test]
+    fn digits_sort_as_whole_keys_do_and_equal_ones_stay_in_order() {
+        let mut seed = 7;
+        for (count, shift) in [(0, 0), (1, 5), (3000, 40), (3000, 0)] {
+            let keys: Vec<u64> =
+                (0..count).map(|_| u64::from((noise(&mut seed) * 5e3) as u32 % 1500) << shift).collect();
+            let mut expected: Vec<u32> = (0..count).collect();
+            expected.sort_by_key(|&number| keys[number as usize]);
+            assert_eq!(radix_sort(&keys), expected);
+        }
     }
 
     #[test]

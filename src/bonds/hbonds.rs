@@ -11,15 +11,14 @@
 //! Eur. J. 1997, 3, 89 (fluorine on carbon hardly ever accepts).
 //!
 //! Limits: a residue has all its hydrogens or none; carboxylates and phosphates without hydrogens count as ionised,
-//! amines at the end of a chain as ammonium. Images across the faces of a cell are the
-//! caller's (`periodic`).
+//! amines at the end of a chain as ammonium. Images across the faces of a cell are the caller's (`periodic`).
 
 use super::contacts::OrderedF32;
 use super::grid::Grid;
 use super::rules::PairTable;
 use super::sites::Sites;
 use crate::element::Element;
-use crate::structure::{Bond, BondKind, BondOrder, BondSource, Structure, atom_flags};
+use crate::structure::{Bond, BondKind, BondOrder, BondSource, ByAtom, Structure, atom_flags};
 use glam::Vec3;
 
 /// Longest distance between donor and acceptor in ångström.
@@ -33,38 +32,20 @@ const HYDROGEN_COSINE: f32 = -0.5;
 const LONGEST_TO_HYDROGEN: f32 = 1.5;
 
 /// The covalent neighbours of the atoms.
-struct Neighbours {
-    start: Vec<u32>,
-    list: Vec<(u32, BondOrder, bool)>,
-}
+struct Neighbours(ByAtom<(u32, BondOrder, bool)>);
 
 impl Neighbours {
     fn new(atom_count: usize, bonds: &[Bond]) -> Neighbours {
         let covalent = || bonds.iter().filter(|bond| bond.kind != BondKind::Hydrogen && !bond.is_periodic());
-        let mut start = vec![0u32; atom_count + 1];
-        for bond in covalent() {
-            start[bond.a as usize] += 1;
-            start[bond.b as usize] += 1;
-        }
-        let mut sum = 0;
-        for count in &mut start {
-            sum += *count;
-            *count = sum;
-        }
-        let mut list = vec![(0, BondOrder::Unknown, false); sum as usize];
-        for bond in covalent() {
+        let ends = |bond: &Bond| {
             let order = if bond.kind == BondKind::Coordination { BondOrder::Unknown } else { bond.order };
-            for (atom, other) in [(bond.a, bond.b), (bond.b, bond.a)] {
-                let slot = &mut start[atom as usize];
-                *slot -= 1;
-                list[*slot as usize] = (other, order, bond.aromatic);
-            }
-        }
-        Neighbours { start, list }
+            [(bond.a, (bond.b, order, bond.aromatic)), (bond.b, (bond.a, order, bond.aromatic))]
+        };
+        Neighbours(ByAtom::new(atom_count, || covalent().flat_map(ends)))
     }
 
     fn of(&self, atom: usize) -> &[(u32, BondOrder, bool)] {
-        &self.list[self.start[atom] as usize..self.start[atom + 1] as usize]
+        self.0.of(atom)
     }
 
     fn are_bonded(&self, a: usize, b: usize) -> bool {

@@ -28,9 +28,8 @@
 use super::metal;
 use super::sites::{Role, Sites};
 use crate::element::Element;
-use crate::structure::{Bond, BondKind, BondOrder, BondSource, Cell, Structure};
+use crate::structure::{Bond, BondKind, BondOrder, BondSource, ByAtom, Cell, Structure};
 use glam::Vec3;
-use std::collections::HashMap;
 
 /// Radii of metals in double bonds, in picometre: Pyykkö and Atsumi, Chem. Eur. J. 2009, 15, 12770.
 const DOUBLE_RADII_PM: [(u8, u8); 29] = [
@@ -95,14 +94,8 @@ fn longest_double(metal: Element, other: Element) -> Option<f32> {
     Some((f32::from(*of_metal) + f32::from(radius)) * 0.01 + LONGER_THAN_DOUBLE)
 }
 
-/// The bonds of the atoms beside metals: other atom and bond.
-struct Around(HashMap<u32, Vec<(u32, u32)>>);
-
-impl Around {
-    fn of(&self, atom: u32) -> &[(u32, u32)] {
-        self.0.get(&atom).map_or(&[], Vec::as_slice)
-    }
-}
+/// The bonds of the atoms with untold bonds: other atom and bond. Of all other atoms only the bonds to these are in it.
+type Around = ByAtom<(u32, u32)>;
 
 /// Gives every bond between a metal and a nonmetal its kind by the rule of this module, if its source does not say more
 /// than that there is one; and, `with_orders`, oxides their double bonds.
@@ -115,8 +108,8 @@ pub(super) fn settle(
 ) {
     let elements = structure.elements();
     let at = |atom: u32| elements.get(atom as usize).copied().unwrap_or_default();
-    // An untold bond has no order worth the name; hydrogen and p-block metals are settled. A link tells its kind, or that it is
-    // covalent by its order.
+    // An untold bond has no order worth the name; hydrogen and p-block metals are settled. A link tells its kind, or that
+    // it is covalent by its order.
     let is_untold = |bond: &Bond| {
         let is_told = match bond.source {
             BondSource::Link => bond.kind == BondKind::Coordination || bond.order > BondOrder::Unknown,
@@ -131,20 +124,16 @@ pub(super) fn settle(
     if untold.is_empty() || positions.len() != elements.len() {
         return;
     }
-    let mut around: HashMap<u32, Vec<(u32, u32)>> = HashMap::new();
+    let mut is_asked = vec![false; elements.len()];
     for &index in &untold {
-        for atom in [bonds[index as usize].a, bonds[index as usize].b] {
-            around.entry(atom).or_default();
-        }
+        is_asked[bonds[index as usize].a as usize] = true;
+        is_asked[bonds[index as usize].b as usize] = true;
     }
-    for (index, bond) in bonds.iter().enumerate().filter(|(_, bond)| bond.kind != BondKind::Hydrogen) {
-        for (atom, other) in [(bond.a, bond.b), (bond.b, bond.a)] {
-            if let Some(list) = around.get_mut(&atom) {
-                list.push((other, index as u32));
-            }
-        }
-    }
-    let around = Around(around);
+    let asks = |atom: u32| is_asked.get(atom as usize).copied();
+    let is_near = |bond: &Bond| matches!((asks(bond.a), asks(bond.b)), (Some(a), Some(b)) if a || b);
+    let near = || (0u32..).zip(&*bonds).filter(|(_, bond)| bond.kind != BondKind::Hydrogen && is_near(bond));
+    let ends = |(index, bond): (u32, &Bond)| [(bond.a, (bond.b, index)), (bond.b, (bond.a, index))];
+    let around = Around::new(elements.len(), || near().flat_map(ends));
     let sites = Sites::new(structure);
     let lattice = cell.map(Cell::vectors);
     let length = |bond: &Bond| {
@@ -160,7 +149,7 @@ pub(super) fn settle(
         let bond = bonds[index as usize];
         let (metal, other) = if at(bond.a).is_metal() { (bond.a, bond.b) } else { (bond.b, bond.a) };
         let is_ion = |atom: u32| sites.role(atom as usize) == Role::Ion;
-        let is_terminal = around.of(other).len() == 1;
+        let is_terminal = around.of(other as usize).len() == 1;
         let length = length(&bond);
         let is_oxide = is_terminal && longest_double(at(metal), at(other)).is_some_and(|longest| length <= longest);
         let is_shared = !is_ion(metal)
@@ -197,7 +186,7 @@ fn gives_all(metal: Element) -> bool {
 fn is_sigma_carbon(around: &Around, at: &impl Fn(u32) -> Element, metal: u32, carbon: u32) -> bool {
     let mut hetero = 0;
     let mut count = 0;
-    for &(other, _) in around.of(carbon) {
+    for &(other, _) in around.of(carbon as usize) {
         if at(other).is_metal() {
             if other != metal {
                 return false; // a bridge
@@ -205,7 +194,7 @@ fn is_sigma_carbon(around: &Around, at: &impl Fn(u32) -> Element, metal: u32, ca
             continue;
         }
         // A neighbour on the same metal: an alkene or a ring. Hydrogens that the metal draws near do not count.
-        if at(other) != Element::H && around.of(other).iter().any(|&(beside, _)| beside == metal) {
+        if at(other) != Element::H && around.of(other as usize).iter().any(|&(beside, _)| beside == metal) {
             return false;
         }
         count += 1;
@@ -218,10 +207,11 @@ fn is_sigma_carbon(around: &Around, at: &impl Fn(u32) -> Element, metal: u32, ca
 /// How many of so many oxides on a metal have double bonds. Up to four neighbours all bonds count in the oxidation state;
 /// of more, some are but loosely held (the aqua ligands of uranyl, the bridges of polyoxometalates).
 fn double_count(bonds: &[Bond], around: &Around, at: &impl Fn(u32) -> Element, metal: u32, oxides: usize) -> usize {
-    let all: Vec<(u32, u32)> = around.of(metal).iter().copied().filter(|&(other, _)| !at(other).is_metal()).collect();
+    let all: Vec<(u32, u32)> =
+        around.of(metal as usize).iter().copied().filter(|&(other, _)| !at(other).is_metal()).collect();
     let brings_one = |&&(other, index): &&(u32, u32)| {
         let bond = &bonds[index as usize];
-        let is_bridge = matches!(at(other), Element::O | Element::S) && around.of(other).len() > 1;
+        let is_bridge = matches!(at(other), Element::O | Element::S) && around.of(other as usize).len() > 1;
         bond.kind == BondKind::Covalent || is_bridge
     };
     let others = all.iter().filter(brings_one).count().saturating_sub(oxides);

@@ -20,9 +20,10 @@ const FAR_END_EXCESS: f32 = 0.15;
 /// Metal–metal bonds under two or more bridges of nonmetals are shorter than the radii by this factor. With: W₂Cl₉³⁻ 0.74,
 /// Fe₂(CO)₉ 0.83, Mo₆Cl₈⁴⁺ 0.84. Without: Fe₂S₂ 0.89, rutile 0.93, wüstite and MgO 1.0.
 const BRIDGED_RATIO: f32 = 0.85;
-/// Under one bridge. Chosen: metals in a row of M–O–M are not bonded (in rutile, titanium
-/// at the shared corners of octahedra is 3.57 Å apart, 0.37 Å over the radii). Coinage metals under one heavy donor, sulfur or a halogen, are bonded as far as without
-/// it ([`rules`]): in thiolate-covered gold such pairs are as near as the bare ones beside them (both 3.0 to 3.15 Å).
+/// Under one bridge. Chosen: metals in a row of M–O–M are not bonded (in rutile, titanium at the shared corners of
+/// octahedra is 3.57 Å apart, 0.37 Å over the radii). Coinage metals under one heavy donor, sulfur or a halogen, are
+/// bonded as far as without it ([`rules`]): in thiolate-covered gold such pairs are as near as the bare ones beside them
+/// (both 3.0 to 3.15 Å).
 const BRIDGED_ONCE_EXCESS: f32 = 0.3;
 
 /// Drops what is no bond of a metal.

@@ -14,7 +14,8 @@ use super::{BondOptions, distance, hbonds};
 use crate::structure::{Bond, Cell, Positions, Structure};
 use glam::{DVec3, IVec3};
 
-/// This many images are always affordable (one atom in a cell of 2.5 Å under a shell of 10 Å has 728); of a larger structure, [`IMAGES_PER_ATOM`].
+/// This many images are always affordable (one atom in a cell of 2.5 Å under a shell of 10 Å has 728); of a larger
+/// structure, [`IMAGES_PER_ATOM`].
 const MOST_IMAGES: usize = 20_000;
 /// A cubic cell of 4 Å under a shell of 8 Å has 124 images an atom; larger structures have fewer.
 const IMAGES_PER_ATOM: usize = 27;
@@ -185,16 +186,28 @@ impl Extended {
             let copy = |&image: &u32| (self.images[image as usize].1, self.atom_count as u32 + image);
             std::iter::once((IVec3::ZERO, atom)).chain(images.iter().map(copy))
         };
+        let has_none = |atom: u32| first[atom as usize] == first[atom as usize + 1];
+        // Those among the atoms themselves are sorted as they are; they are most.
         let mut everywhere = Vec::with_capacity(settled.len() + settled.len() / 4);
+        let mut of_images = Vec::new();
         for bond in settled {
             let [home_a, home_b] = [bond.a, bond.b].map(|atom| self.home[atom as usize]);
             let step = IVec3::from_array(bond.image.map(i32::from)) - home_a + home_b;
-            for (shift, a) in copies(bond.a) {
+            let is_whole = step == IVec3::ZERO;
+            if is_whole {
+                everywhere.push(Bond { image: [0; 3], ..*bond }.turned());
+                if has_none(bond.a) || has_none(bond.b) {
+                    continue;
+                }
+            }
+            for (shift, a) in copies(bond.a).skip(usize::from(is_whole)) {
                 let partner = copies(bond.b).find(|&(other, _)| other == shift + step);
-                everywhere.extend(partner.map(|(_, b)| Bond { a, b, image: [0; 3], ..*bond }.turned()));
+                of_images.extend(partner.map(|(_, b)| Bond { a, b, image: [0; 3], ..*bond }.turned()));
             }
         }
-        everywhere.sort_by_key(Bond::key); // nearly sorted already
+        of_images.sort_by_key(Bond::key);
+        everywhere.extend(of_images);
+        everywhere.sort_by_key(Bond::key); // finds the two sorted runs and merges them
         everywhere
     }
 }

@@ -1,48 +1,30 @@
 //! The molecules of a periodic structure: walks along the bonds, counting cells.
 
 use super::holds;
-use crate::structure::Structure;
+use crate::structure::{Bond, ByAtom, Structure};
 use glam::IVec3;
 
 /// The bonds of every atom, with the cells they step over.
 pub(super) struct Neighbours {
-    first: Vec<u32>,
-    steps: Vec<(u32, IVec3, u32)>,
+    steps: ByAtom<(u32, IVec3, u32)>,
     is_weak: Vec<bool>,
 }
 
 impl Neighbours {
     pub(super) fn new(structure: &Structure) -> Neighbours {
-        // A hydrogen bond is drawn, but makes no molecule of two.
-        let ends = |index: usize| {
-            let bond = structure.bonds()[index];
+        let ends = |(number, bond): (u32, &Bond)| {
             let image = IVec3::from_array(bond.image.map(i32::from));
-            [(bond.a, bond.b, image), (bond.b, bond.a, -image)]
+            [(bond.a, (bond.b, image, number)), (bond.b, (bond.a, -image, number))]
         };
-        let mut first = vec![0u32; structure.atom_count() + 1];
-        for (from, ..) in (0..structure.bonds().len()).flat_map(ends) {
-            first[from as usize + 1] += 1;
-        }
-        for atom in 0..structure.atom_count() {
-            first[atom + 1] += first[atom];
-        }
-        let mut next = first.clone();
-        let mut steps = vec![(0, IVec3::ZERO, 0); 2 * structure.bonds().len()];
-        for index in 0..structure.bonds().len() {
-            for (from, to, step) in ends(index) {
-                let slot = &mut next[from as usize];
-                steps[*slot as usize] = (to, step, index as u32);
-                *slot += 1;
-            }
-        }
+        let steps = ByAtom::new(structure.atom_count(), || (0u32..).zip(structure.bonds()).flat_map(ends));
+        // A hydrogen bond is drawn, but makes no molecule of two.
         let is_weak = structure.bonds().iter().map(|bond| !holds(bond)).collect();
-        Neighbours { first, steps, is_weak }
+        Neighbours { steps, is_weak }
     }
 
     /// Partner, cells on the way to it, number of the bond.
     pub(super) fn of(&self, atom: u32) -> impl Iterator<Item = (u32, IVec3, u32)> + '_ {
-        let atom = atom as usize;
-        self.steps[self.first[atom] as usize..self.first[atom + 1] as usize].iter().copied()
+        self.steps.of(atom as usize).iter().copied()
     }
 }
 

@@ -87,12 +87,73 @@ pub(super) fn fixed_f64(text: [u8; 8]) -> Option<(f64, u8)> {
     if (values | values.wrapping_add(ONES * 6)) & (ONES * 0xf0) != 0 {
         return None;
     }
+    let decimals = 7 - at / 8;
+    let value = eight_digits(values) as f64 / TEN[decimals as usize];
+    Some((if negative { -value } else { value }, decimals as u8))
+}
+
+/// The number of eight digits, the first one in the lowest byte.
+#[inline(always)]
+fn eight_digits(values: u64) -> u64 {
     let pairs = values.wrapping_mul(10).wrapping_add(values >> 8) & 0x00ff_00ff_00ff_00ff;
     let fours = pairs.wrapping_mul(100).wrapping_add(pairs >> 16) & 0x0000_ffff_0000_ffff;
-    let eight = fours.wrapping_mul(10_000).wrapping_add(fours >> 32) & 0xffff_ffff;
-    let decimals = 7 - at / 8;
-    let value = eight as f64 / TEN[decimals as usize];
-    Some((if negative { -value } else { value }, decimals as u8))
+    fours.wrapping_mul(10_000).wrapping_add(fours >> 32) & 0xffff_ffff
+}
+
+/// The number at the start of a text, with a decimal point, digits and at most a minus before them; its decimals and its
+/// length. What follows it is no digit. `None` for anything else, for more than 14 digits, and near the end of the text; where
+/// [`parse_f64`] of the same bytes reads a number it is the same.
+///
+/// Method: as [`fixed_f64`]; the first two bytes that are no digits are the point and what follows the number.
+#[inline(always)]
+pub(super) fn leading_decimal(text: &[u8]) -> Option<(f64, u8, usize)> {
+    const ONES: u64 = 0x0101_0101_0101_0101;
+    // Both are loaded before it is known which of them counts.
+    let nine: &[u8; 9] = text.first_chunk()?;
+    let negative = nine[0] == b'-';
+    let [from_first, from_second] = [nine.first_chunk()?, nine.last_chunk()?].map(|bytes| u64::from_le_bytes(*bytes));
+    let word = if negative { from_second } else { from_first };
+    let values = word ^ (ONES * u64::from(b'0'));
+    // The top bit of what is no digit. A byte beyond ASCII carries into those behind it, but is no point itself.
+    let others = (values.wrapping_add(ONES * 0x76) | values) & (ONES << 7);
+    let end = (others & others.wrapping_sub(1)).trailing_zeros() & !7; // in bits
+    if end >= 64 {
+        return leading_long_decimal(&text[usize::from(negative)..], negative);
+    }
+    let point = others.trailing_zeros() & !7;
+    if (word >> point) as u8 != b'.' || end < 16 {
+        return None;
+    }
+    let below = (1u64 << point) - 1;
+    let joined = (values & below) | ((values >> point >> 8) << point);
+    // Moved to the end, behind zeros; what follows the number falls off.
+    let mantissa = eight_digits(joined << (72 - end));
+    Some(signed_decimal(mantissa, (end - point) / 8 - 1, negative, end / 8))
+}
+
+/// [`leading_decimal`] behind the sign, of up to 15 bytes.
+#[inline(never)]
+fn leading_long_decimal(digits: &[u8], negative: bool) -> Option<(f64, u8, usize)> {
+    const ONES: u128 = u128::MAX / 0xff;
+    let word = u128::from_le_bytes(*digits.first_chunk()?);
+    let values = word ^ (ONES * u128::from(b'0'));
+    let others = (values.wrapping_add(ONES * 0x76) | values) & (ONES << 7);
+    let end = (others & others.wrapping_sub(1)).trailing_zeros() & !7;
+    let point = others.trailing_zeros() & !7;
+    if end >= 128 || (word >> point) as u8 != b'.' || end < 16 {
+        return None;
+    }
+    let below = (1u128 << point) - 1;
+    let joined = ((values & below) | ((values >> point >> 8) << point)) << (136 - end);
+    let mantissa = eight_digits(joined as u64) * 100_000_000 + eight_digits((joined >> 64) as u64);
+    Some(signed_decimal(mantissa, (end - point) / 8 - 1, negative, end / 8))
+}
+
+#[inline(always)]
+fn signed_decimal(mantissa: u64, decimals: u32, negative: bool, length: u32) -> (f64, u8, usize) {
+    let value = mantissa as f64 / TEN[decimals as usize];
+    let value = f64::from_bits(value.to_bits() ^ (u64::from(negative) << 63));
+    (value, decimals as u8, length as usize + usize::from(negative))
 }
 
 /// [`fixed_f64`] of the columns `from..to` (at most eight of them, the last one no earlier than the eighth of the line),
@@ -312,6 +373,31 @@ mod tests {
     }
 
     #[test]
+    fn decimals_are_read_from_where_they_begin() {
+        for (text, want) in [
+            ("1.250 2", Some((1.25, 3, 5))),
+            ("-12.5\nC", Some((-12.5, 1, 5))),
+            (".5\t", Some((0.5, 1, 2))),
+            ("5. ", Some((5.0, 0, 2))),
+            ("-1234567.1234567 ", Some((-1_234_567.123_456_7, 7, 16))),
+            ("12345.6 ", Some((12345.6, 1, 7))),
+            ("123456.7x", Some((123_456.7, 1, 8))),
+            ("12345678.1234567 ", None),
+            (". ", None),
+            ("-. ", None),
+            ("- 1.5", None),
+            ("+1.5 ", None),
+            ("15 ", None),
+            ("1e5 ", None),
+            ("", None),
+        ] {
+            let padded = format!("{text}{:20}", "");
+            assert_eq!(leading_decimal(padded.as_bytes()), want, "{text}");
+        }
+        assert_eq!(leading_decimal(b"1.5 7"), None);
+    }
+
+    #[test]
     fn eight_columns_are_read_at_once() {
         for text in
             ["   1.250", "-999.999", "9999.999", "      .5", "      5.", "  -0.000", "12345678", "1.234567", "-.123456"]
@@ -344,6 +430,16 @@ mod tests {
                 let want = parse_f64(text.trim_ascii().as_bytes());
                 prop_assert_eq!(want, Some((value, decimals)));
                 prop_assert_eq!(want.unwrap().0.to_bits(), value.to_bits());
+            }
+        }
+
+        #[test]
+        fn leading_decimals_are_those_of_the_word(text in "-?[0-9]{0,8}\\.[0-9]{0,8}[ 0-9a.\n\u{e9}-]{0,2}|[ 0-9.-]{1,20}") {
+            let padded = format!("{text}  1.25 -6.5 and more");
+            if let Some((value, decimals, length)) = leading_decimal(padded.as_bytes()) {
+                let (want, want_decimals) = parse_f64(&padded.as_bytes()[..length]).unwrap();
+                prop_assert_eq!((value.to_bits(), decimals), (want.to_bits(), want_decimals));
+                prop_assert!(!padded.as_bytes()[length].is_ascii_digit());
             }
         }
 

@@ -70,6 +70,17 @@ impl<'a> Lines<'a> {
         self.rest
     }
 
+    /// Most bytes of a line.
+    pub(super) fn max_bytes(&self) -> usize {
+        self.max_bytes
+    }
+
+    /// Goes on behind so many bytes, which are so many lines.
+    pub(super) fn advance(&mut self, bytes: usize, lines: usize) {
+        self.rest = self.rest.get(bytes..).unwrap_or_default();
+        self.number += lines as u64;
+    }
+
     /// Passes over so many lines without looking at them, not even at how long they are; `false` if there are fewer.
     pub(super) fn pass_over(&mut self, count: usize) -> bool {
         /// Bytes in which line ends are counted at once (chosen: they stay in the nearest cache).

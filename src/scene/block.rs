@@ -3,11 +3,11 @@
 use super::dashes::{dashes, is_dashed};
 use super::haptic;
 use super::instances::{Cap, CylinderInstance, SphereInstance};
-use super::sticks::{Neighbours, StickContext};
+use super::sticks::{self, StickContext};
 use super::{AltlocChoice, Block, Item, SceneOptions, Style};
 use crate::color::Srgb8;
 use crate::crystal::Stub;
-use crate::structure::{Bond, BondKind, Structure, atom_flags};
+use crate::structure::{Bond, BondKind, ByAtom, Structure, atom_flags};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -21,14 +21,14 @@ pub(super) fn build(item: &Item<'_>, options: &SceneOptions) -> Block {
     // Where nothing repeats in the picture, a bond to an image has no end.
     let is_drawn = |bond: &Bond| !bond.is_periodic() && is_shown(bond.a) && is_shown(bond.b);
     let colors = options.color_by.colors(structure);
-    let neighbours = Neighbours::new(atom_count, structure.bonds(), is_drawn);
+    let neighbours = sticks::neighbours(atom_count, structure.bonds(), is_drawn);
     let stubs: Vec<&Stub> = item.stubs.iter().filter(|stub| is_drawn(&stub.bond)).collect();
     let mut has_stub = vec![false; if stubs.is_empty() { 0 } else { atom_count }];
     for stub in &stubs {
         has_stub[stub.bond.a as usize] = true;
     }
     let radius_of = |atom: u32| {
-        let bonded = !neighbours.of(atom).is_empty() || has_stub.get(atom as usize).is_some_and(|&has| has);
+        let bonded = !neighbours.of(atom as usize).is_empty() || has_stub.get(atom as usize).is_some_and(|&has| has);
         let radius = options.style.atom_radius(structure.elements()[atom as usize], bonded);
         // Lone pairs and the like are drawn small, whatever the style.
         if structure.flags(atom as usize) & atom_flags::PARTICLE == 0 { radius } else { radius.min(0.12) }
@@ -82,7 +82,7 @@ struct Artist<'a> {
     style: Style,
     positions: &'a [Vec3],
     colors: &'a [Srgb8],
-    neighbours: &'a Neighbours,
+    neighbours: &'a ByAtom<u32>,
     ball_radius: &'a (dyn Fn(u32) -> f32 + Sync),
     /// The atoms of lattices that coordination alone holds together; empty if there are none.
     lattice: &'a [bool],

@@ -1,8 +1,7 @@
 //! Ligands that a metal holds by several neighbouring atoms (cyclopentadienyl, arenes, alkenes): on request one stick to
 //! the middle of these atoms in place of one to each.
 
-use super::sticks::Neighbours;
-use crate::structure::{Bond, BondKind, Structure};
+use crate::structure::{Bond, BondKind, ByAtom, Structure};
 use glam::Vec3;
 
 /// Bonds of one metal to atoms that are bonded to one another.
@@ -22,7 +21,7 @@ pub(super) struct Group {
 pub(super) fn groups(
     structure: &Structure,
     positions: &[Vec3],
-    neighbours: &Neighbours,
+    neighbours: &ByAtom<u32>,
     keep: impl Fn(&Bond) -> bool,
 ) -> Vec<Group> {
     let is_metal = |atom: u32| structure.elements()[atom as usize].is_metal();
@@ -42,7 +41,7 @@ pub(super) fn groups(
             let mut at = 0;
             while let Some(&(atom, _)) = group.get(at) {
                 at += 1;
-                let beside = |&mut (other, _): &mut (u32, u32)| neighbours.of(atom).contains(&other);
+                let beside = |&mut (other, _): &mut (u32, u32)| neighbours.of(atom as usize).contains(&other);
                 group.extend(left.extract_if(.., beside));
             }
             if group.len() > 1 {
@@ -87,7 +86,7 @@ mod tests {
         }
         let structure = builder.build(&mut Diagnostics::default());
         let positions = structure.positions().relative();
-        let neighbours = Neighbours::new(5, structure.bonds(), |_| true);
+        let neighbours = super::super::sticks::neighbours(5, structure.bonds(), |_| true);
         let got = groups(&structure, positions, &neighbours, |_| true);
         assert_eq!(got, [Group { metal: 0, atoms: vec![1, 2], middle: Vec3::new(2.0, 0.0, 0.0), bonds: vec![0, 1] }]);
     }

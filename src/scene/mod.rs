@@ -21,7 +21,6 @@ pub use camera::{Camera, PixelGrid, Projection, Ray, Region};
 pub use coloring::ColorBy;
 pub use instances::{Cap, CylinderInstance, SphereInstance};
 pub use light::{Background, Ground, Lighting};
-pub use sticks::{MAX_RING, Neighbours};
 pub use style::Style;
 
 use crate::math::Aabb;

@@ -6,49 +6,17 @@
 
 use super::instances::{Cap, CylinderInstance};
 use crate::math::direction_or;
-use crate::structure::{Bond, BondKind, BondOrder};
+use crate::structure::{Bond, BondKind, BondOrder, ByAtom};
 use glam::Vec3;
 use std::collections::VecDeque;
 
 /// Larger rings are drawn as chains: from nine atoms on "inside" no longer helps the eye.
-pub const MAX_RING: usize = 8;
+const MAX_RING: usize = 8;
 
-/// The bonds of every atom, as one array.
-#[derive(Debug)]
-pub struct Neighbours {
-    first: Vec<u32>,
-    other: Vec<u32>,
-}
-
-impl Neighbours {
-    /// From a bond list over `atom_count` atoms; bonds for which `keep` is false are left out.
-    #[must_use]
-    pub fn new(atom_count: usize, bonds: &[Bond], keep: impl Fn(&Bond) -> bool) -> Neighbours {
-        let mut first = vec![0u32; atom_count + 1];
-        for bond in bonds.iter().filter(|bond| keep(bond)) {
-            first[bond.a as usize + 1] += 1;
-            first[bond.b as usize + 1] += 1;
-        }
-        for i in 0..atom_count {
-            first[i + 1] += first[i];
-        }
-        let mut next = first.clone();
-        let mut other = vec![0u32; first[atom_count] as usize];
-        for bond in bonds.iter().filter(|bond| keep(bond)) {
-            for (from, to) in [(bond.a, bond.b), (bond.b, bond.a)] {
-                other[next[from as usize] as usize] = to;
-                next[from as usize] += 1;
-            }
-        }
-        Neighbours { first, other }
-    }
-
-    /// The atoms bonded to `atom`.
-    #[must_use]
-    pub fn of(&self, atom: u32) -> &[u32] {
-        let atom = atom as usize;
-        &self.other[self.first[atom] as usize..self.first[atom + 1] as usize]
-    }
+/// The partners of every atom, over the bonds for which `keep` holds.
+pub(super) fn neighbours(atom_count: usize, bonds: &[Bond], keep: impl Fn(&Bond) -> bool) -> ByAtom<u32> {
+    let ends = |bond: &Bond| [(bond.a, bond.b), (bond.b, bond.a)];
+    ByAtom::new(atom_count, || bonds.iter().filter(|bond| keep(bond)).flat_map(ends))
 }
 
 /// One stick beside the axis of its bond.
@@ -65,7 +33,7 @@ struct Strand {
 /// Everything a stick needs beside its bond.
 pub(super) struct StickContext<'a> {
     pub(super) positions: &'a [Vec3],
-    pub(super) neighbours: &'a Neighbours,
+    pub(super) neighbours: &'a ByAtom<u32>,
     /// Radius of the balls in ångström.
     pub(super) ball_radius: &'a (dyn Fn(u32) -> f32 + Sync),
     /// Radius of a single stick in ångström.
@@ -166,7 +134,7 @@ impl StickContext<'_> {
         if sum == Vec3::ZERO {
             // A straight atom (allene, CO2, nitrile): take the plane at the far end of its other bond.
             for (end, other) in [(bond.a, bond.b), (bond.b, bond.a)] {
-                for &next in self.neighbours.of(end).iter().filter(|&&next| next != other) {
+                for &next in self.neighbours.of(end as usize).iter().filter(|&&next| next != other) {
                     self.add_sides(next, end, axis, &mut sum);
                 }
             }
@@ -179,7 +147,7 @@ impl StickContext<'_> {
     /// Adds the parts across `axis` of the directions from `end` to its neighbours but `other`, turned to agree in sign.
     fn add_sides(&self, end: u32, other: u32, axis: Vec3, sum: &mut Vec3) {
         let from = self.positions[end as usize];
-        for &next in self.neighbours.of(end).iter().filter(|&&next| next != other) {
+        for &next in self.neighbours.of(end as usize).iter().filter(|&&next| next != other) {
             let direction = direction_or(self.positions[next as usize] - from, Vec3::ZERO);
             let across = direction - axis * direction.dot(axis);
             // Under 6° from straight the direction is noise.
@@ -196,7 +164,7 @@ impl StickContext<'_> {
         let mut queue: VecDeque<(u32, usize)> = VecDeque::from([(0, 1)]); // index into `reached`, atoms so far
         while let Some((at, atoms)) = queue.pop_front() {
             let atom = reached[at as usize].0;
-            for &next in self.neighbours.of(atom) {
+            for &next in self.neighbours.of(atom as usize) {
                 if atom == bond.a && next == bond.b || reached.iter().any(|&(seen, _)| seen == next) {
                     continue;
                 }
@@ -226,7 +194,7 @@ mod tests {
     use crate::structure::BondSource;
 
     fn sticks_of(positions: &[Vec3], bonds: &[Bond], which: usize) -> Vec<CylinderInstance> {
-        let neighbours = Neighbours::new(positions.len(), bonds, |_| true);
+        let neighbours = neighbours(positions.len(), bonds, |_| true);
         let context = StickContext {
             positions,
             neighbours: &neighbours,

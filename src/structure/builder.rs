@@ -171,6 +171,28 @@ impl StructureBuilder {
         self.push_columns(index, atom)
     }
 
+    /// Adds atoms of which nothing but element and position is known, as [`StructureBuilder::push_atom`] would.
+    pub(crate) fn push_bare_atoms(&mut self, elements: &[Element], positions: &[DVec3]) {
+        if self.has_only_positions() {
+            self.element.extend_from_slice(elements);
+            self.points.extend(positions);
+            return;
+        }
+        for (&element, &position) in elements.iter().zip(positions) {
+            self.push_atom(&AtomRecord { element, position, ..AtomRecord::default() });
+        }
+    }
+
+    /// Whether no atom came with more than its element and position.
+    fn has_only_positions(&self) -> bool {
+        let StructureBuilder { atom_name, serial, residue_of_atom, flags, altloc, occupancy, b_factor, .. } = self;
+        let StructureBuilder { formal_charge, partial_charge, isotope, radical, .. } = self;
+        let named = !(atom_name.is_empty() && serial.is_empty() && residue_of_atom.is_empty());
+        let valued = !(occupancy.is_empty() && b_factor.is_empty() && partial_charge.is_empty());
+        let marked = !(flags.is_empty() && altloc.is_empty() && formal_charge.is_empty());
+        !named && !valued && !marked && isotope.is_empty() && radical.is_empty()
+    }
+
     /// Starts a residue for the atoms that [`StructureBuilder::push_residue_atom`] adds, even if it has the chain,
     /// number, insertion code and name of the last one.
     pub fn begin_residue(&mut self, chain: &str, number: i32, insertion_code: u8, name: &str) {
@@ -480,6 +502,24 @@ mod tests {
         assert_eq!((structure.serial(0), structure.serial(3)), (1, 77));
         assert_eq!((structure.formal_charge(1), structure.formal_charge(3)), (-1, 0));
         assert_eq!(structure.residue_index(0), None);
+    }
+
+    #[test]
+    fn bare_atoms_are_atoms_without_anything_else() {
+        for isotope in [0, 13] {
+            let point = |n: usize| DVec3::splat(n as f64);
+            let (mut one_by_one, mut at_once) = (StructureBuilder::new(), StructureBuilder::new());
+            for builder in [&mut one_by_one, &mut at_once] {
+                builder.push_atom(&AtomRecord { element: Element::C, isotope, ..AtomRecord::default() });
+            }
+            for n in 1..4 {
+                one_by_one.push_atom(&AtomRecord { element: Element::O, position: point(n), ..AtomRecord::default() });
+            }
+            at_once.push_bare_atoms(&[Element::O; 3], &[point(1), point(2), point(3)]);
+            let [one_by_one, at_once] = [one_by_one, at_once].map(|b| b.build(&mut Diagnostics::default()));
+            assert_eq!((one_by_one.isotope(0), one_by_one.atom_count()), (isotope, 4));
+            assert_eq!(one_by_one, at_once);
+        }
     }
 
     #[test]

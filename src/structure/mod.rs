@@ -7,6 +7,7 @@
 
 mod bond;
 mod builder;
+mod by_atom;
 mod cell;
 mod component;
 mod diagnostic;
@@ -19,6 +20,7 @@ mod symmetry;
 pub use bond::{Bond, BondKind, BondOrder, BondSource, StatedBonds};
 pub(crate) use builder::AtomColumns;
 pub use builder::{AtomRecord, StructureBuilder};
+pub(crate) use by_atom::ByAtom;
 pub use cell::Cell;
 pub use component::{ComponentBond, ComponentBonds};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};

@@ -122,6 +122,17 @@ impl Points {
         self.open.extend_from_slice(&halves(point));
     }
 
+    pub(super) fn extend(&mut self, mut points: &[DVec3]) {
+        while !points.is_empty() {
+            if self.open.len() >= 2 * PIECE {
+                self.close();
+            }
+            let (now, later) = points.split_at(points.len().min(PIECE - self.open.len() / 2));
+            self.open.extend_from_slice(bytemuck::cast_slice(now));
+            points = later;
+        }
+    }
+
     #[cold]
     fn close(&mut self) {
         let next = Vec::with_capacity(2 * PIECE);
@@ -194,10 +205,10 @@ impl Points {
         // Only a molecule spread over thousands of ångström about its origin can lose what f64 held.
         let half_unit = 0.5 * 10f64.powi(-i32::from(decimals));
         let narrow = |piece: Piece| narrowed(piece, origin, (!fits_f32).then_some(half_unit));
-        let narrow_all = |pieces: Vec<Piece>| -> Vec<Narrowed> { pieces.into_par_iter().map(narrow).collect() };
-        let mut narrow_pieces = match <[Piece; 1]>::try_from(pieces) {
-            Ok([only]) => vec![narrow(only)],
-            Err(pieces) => narrow_all(pieces),
+        // One piece, as of most molecules, wakes no other core.
+        let mut narrow_pieces: Vec<Narrowed> = match pieces.len() {
+            1 => pieces.into_iter().map(narrow).collect(),
+            _ => pieces.into_par_iter().map(narrow).collect(),
         };
         let lost = narrow_pieces.iter().any(|piece| piece.lost);
         let fine: Vec<DVec3> = match narrow_pieces.as_mut_slice() {
@@ -322,7 +333,11 @@ mod tests {
                 let mut from = 0;
                 for &to in cuts.iter().chain([&points.len()]) {
                     let mut part = Points::default();
-                    points[from..to].iter().for_each(|&point| part.push(point));
+                    if from == 0 {
+                        points[from..to].iter().for_each(|&point| part.push(point));
+                    } else {
+                        points[from..to].chunks(1000).for_each(|some| part.extend(some));
+                    }
                     all.append(part);
                     from = to;
                 }

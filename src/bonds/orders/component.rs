@@ -1,11 +1,11 @@
 //! One set of atoms whose orders depend on each other, as a graph of choices.
 
-use super::features::{self, Pair, Weights};
+use super::features::{Pair, Surroundings, Weights};
 use super::graph::Graph;
 use super::lengths;
 use super::rings::Ring;
 use super::sites::{RingKinds, Site, is_flat_ring};
-use super::solve::Problem;
+use super::solve::{Problem, Solver};
 use super::states::{self, MOST_NEIGHBOURS, State};
 use crate::element::Element;
 use rayon::prelude::*;
@@ -26,6 +26,12 @@ pub(super) struct Setup<'a> {
     sites: Vec<Site>,
     /// Extra pairs that each bond may have beyond its first; empty bonds are those whose order stands.
     limits: Vec<u8>,
+    /// The atoms that have a choice, one set after the other of those that depend on each other, ascending in each.
+    members: Vec<u32>,
+    /// The atoms of set `i` are `members[first_member[i]..first_member[i + 1]]`.
+    first_member: Vec<usize>,
+    /// The place of each atom in its set, or [`OUTSIDE`].
+    place: Vec<u32>,
 }
 
 impl<'a> Setup<'a> {
@@ -43,8 +49,10 @@ impl<'a> Setup<'a> {
             .with_min_len(4096)
             .map(|atom| Site::new(&graph, &kinds, atom, hydrogens_known(atom)))
             .collect();
-        let mut setup = Setup { graph, kinds, sites, limits: Vec::new() };
+        let (limits, members, place) = (Vec::new(), Vec::new(), Vec::new());
+        let mut setup = Setup { graph, kinds, sites, limits, members, first_member: vec![0], place };
         setup.limits = setup.bond_limits(is_open);
+        setup.list_components();
         setup
     }
 
@@ -78,13 +86,8 @@ impl<'a> Setup<'a> {
                 })
                 .unwrap_or(0)
         };
-        let mut limits = vec![0u8; self.graph.bonds().len()];
-        for atom in (0..self.graph.atom_count()).filter(|&atom| most[atom] > 0) {
-            for &neighbour in self.graph.around(atom).iter().filter(|neighbour| neighbour.atom as usize > atom) {
-                limits[neighbour.bond as usize] = limit(atom, neighbour);
-            }
-        }
-        limits
+        let bonds = (0..self.graph.bonds().len() as u32).into_par_iter().with_min_len(4096);
+        bonds.map(|bond| self.graph.edge(bond).map_or(0, |(atom, neighbour)| limit(atom, neighbour))).collect()
     }
 
     /// Extra pairs of the bonds whose order stands.
@@ -110,8 +113,8 @@ impl<'a> Setup<'a> {
         states::most_extra(self.graph.elements[atom], degree, taken, is_flat_ring(self.kinds.atom(atom)))
     }
 
-    /// The sets of atoms that have a choice and depend on each other, each in ascending order.
-    pub(super) fn components(&self) -> Vec<Vec<u32>> {
+    /// Finds the sets of atoms that have a choice and depend on each other.
+    fn list_components(&mut self) {
         let count = self.graph.atom_count();
         let mut is_open = vec![false; count];
         for (bond, _) in self.limits.iter().enumerate().filter(|&(_, &limit)| limit > 0) {
@@ -119,152 +122,171 @@ impl<'a> Setup<'a> {
             is_open[bond.a as usize] = true;
             is_open[bond.b as usize] = true;
         }
-        let mut components = Vec::new();
+        self.place.resize(count, OUTSIDE);
         for start in 0..count {
-            if !is_open[start] {
+            if !std::mem::replace(&mut is_open[start], false) {
                 continue;
             }
-            is_open[start] = false;
-            let mut atoms = vec![start as u32];
-            let mut at = 0;
-            while let Some(&atom) = atoms.get(at) {
+            let first = self.members.len();
+            self.members.push(start as u32);
+            let mut at = first;
+            while let Some(&atom) = self.members.get(at) {
                 at += 1;
                 for neighbour in self.graph.around(atom as usize) {
-                    let other = neighbour.atom as usize;
-                    if is_open[other] {
-                        is_open[other] = false;
-                        atoms.push(neighbour.atom);
+                    if std::mem::replace(&mut is_open[neighbour.atom as usize], false) {
+                        self.members.push(neighbour.atom);
                     }
                 }
             }
-            atoms.sort_unstable();
-            components.push(atoms);
+            self.members[first..].sort_unstable();
+            for (place, &atom) in self.members[first..].iter().enumerate() {
+                self.place[atom as usize] = place as u32;
+            }
+            self.first_member.push(self.members.len());
         }
-        components
+    }
+
+    /// The number of sets of atoms that have a choice and depend on each other.
+    pub(super) fn component_count(&self) -> usize {
+        self.first_member.len() - 1
+    }
+
+    /// The atoms of one of these sets in ascending order.
+    fn members(&self, component: usize) -> &[u32] {
+        &self.members[self.first_member[component]..self.first_member[component + 1]]
     }
 }
+
+/// The place of an atom that is in no set.
+const OUTSIDE: u32 = u32::MAX;
 
 /// States that cost more than this are left out at first: radicals, carbocations, bare nitrogen.
 const USUAL_COST: f32 = 8.5;
 
-/// A set of atoms with their states.
+/// Two neighbours of a component.
+struct Edge {
+    /// Their places among the atoms.
+    places: [u32; 2],
+    /// The places of their bond around each; of the other end none from [`MOST_NEIGHBOURS`] on.
+    slots: [u8; 2],
+    pair: Pair,
+}
+
+/// An atom beside one outside.
+struct Rim {
+    place: u32,
+    /// The place of the bond around the atom.
+    slot: u8,
+    pair: Pair,
+}
+
+/// A set of atoms with their states; its memory serves one set after the other.
 pub(super) struct Component<'s, 'a> {
     setup: &'s Setup<'a>,
-    pub(super) atoms: Vec<u32>,
-    /// States and their costs.
-    pub(super) states: Vec<Vec<(State, f32)>>,
-    /// Places in `atoms`, the places of the bond around each, and what is seen of the bond.
-    edges: Vec<(u32, u32, u8, u8, Pair)>,
-    /// Place in `atoms`, and the bond to an atom outside.
-    rims: Vec<(u32, u8, Pair)>,
+    atoms: &'s [u32],
+    /// States and their costs, one atom after the other.
+    states: Vec<(State, f32)>,
+    /// The states of the atom at place `i` are `first[i]..first[i + 1]`.
+    first: Vec<u32>,
+    edges: Vec<Edge>,
+    rims: Vec<Rim>,
 }
 
 impl<'s, 'a> Component<'s, 'a> {
-    /// The states and bonds of these atoms.
-    pub(super) fn new(setup: &'s Setup<'a>, atoms: Vec<u32>, most_cost: f32) -> Component<'s, 'a> {
+    /// No atoms yet.
+    pub(super) fn new(setup: &'s Setup<'a>) -> Component<'s, 'a> {
+        Component { setup, atoms: &[], states: Vec::new(), first: Vec::new(), edges: Vec::new(), rims: Vec::new() }
+    }
+
+    /// The states and bonds of a set of atoms.
+    pub(super) fn read(&mut self, component: usize, most_cost: f32) {
+        let setup = self.setup;
         let graph = &setup.graph;
         let site_of = |atom: usize| setup.sites[atom];
-        let mut all = Vec::with_capacity(atoms.len());
-        let (mut edges, mut rims) = (Vec::new(), Vec::new());
-        for (place, &atom) in atoms.iter().enumerate() {
+        self.atoms = setup.members(component);
+        self.states.clear();
+        self.first.clear();
+        self.first.push(0);
+        self.edges.clear();
+        self.rims.clear();
+        for (place, &atom) in self.atoms.iter().enumerate() {
             let atom = atom as usize;
             let around = graph.around(atom);
             let (hydrogens, fixed) = (setup.sites[atom].hydrogens, setup.fixed_extra(atom));
-            let within = |most_cost: f32| {
-                states::states(graph, &setup.kinds, atom, hydrogens, fixed, most_cost, |slot| {
-                    setup.limits[around[slot].bond as usize]
-                })
-            };
-            let mut states = within(most_cost);
-            if states.is_empty() {
-                states = within(f32::INFINITY);
-            }
-            all.push(states);
-            for (slot, neighbour) in around.iter().enumerate().take(MOST_NEIGHBOURS) {
-                match atoms.binary_search(&neighbour.atom) {
-                    Ok(other) if other > place => {
-                        let back =
-                            graph.around(neighbour.atom as usize).iter().position(|back| back.bond == neighbour.bond);
-                        let back = back.unwrap_or(usize::MAX).min(255) as u8;
-                        edges.push((
-                            place as u32,
-                            other as u32,
-                            slot as u8,
-                            back,
-                            Pair::new(graph, &setup.kinds, &site_of, atom, slot),
-                        ));
-                    }
-                    Ok(_) => {}
-                    Err(_) => {
-                        rims.push((place as u32, slot as u8, Pair::new(graph, &setup.kinds, &site_of, atom, slot)))
-                    }
+            let before = self.states.len();
+            for most_cost in [most_cost, f32::INFINITY] {
+                if self.states.len() == before {
+                    let allowed = |slot: usize| setup.limits[around[slot].bond as usize];
+                    let out = &mut self.states;
+                    states::states(graph, &setup.kinds, atom, hydrogens, fixed, most_cost, allowed, out);
                 }
             }
+            self.first.push(self.states.len() as u32);
+            for (slot, neighbour) in around.iter().enumerate().take(MOST_NEIGHBOURS) {
+                let other = setup.place[neighbour.atom as usize];
+                if other != OUTSIDE && other as usize <= place {
+                    continue;
+                }
+                let pair = Pair::new(graph, &setup.kinds, &site_of, atom, slot);
+                let (place, slot) = (place as u32, slot as u8);
+                if other == OUTSIDE {
+                    self.rims.push(Rim { place, slot, pair });
+                    continue;
+                }
+                let back = graph.around(neighbour.atom as usize).iter().position(|back| back.bond == neighbour.bond);
+                let back = back.unwrap_or(usize::MAX).min(255) as u8;
+                self.edges.push(Edge { places: [place, other], slots: [slot, back], pair });
+            }
         }
-        Component { setup, atoms, states: all, edges, rims }
     }
 
-    /// The orders of the bonds between these atoms that score best: bond and order.
-    pub(super) fn best(setup: &'s Setup<'a>, atoms: Vec<u32>, weights: &impl Weights) -> Vec<(u32, u8)> {
-        if let Some(pair) = diatomic(setup, &atoms) {
-            return vec![pair];
-        }
-        let component = Component::new(setup, atoms, USUAL_COST);
-        let problem = component.problem(weights);
-        let chosen = problem.solve();
-        if problem.score(&chosen).is_finite() {
-            return component.orders(&chosen);
-        }
-        let component = Component::new(setup, component.atoms, f32::INFINITY);
-        let chosen = component.problem(weights).solve();
-        component.orders(&chosen)
+    /// The states of the atom at a place, with their costs.
+    fn states(&self, place: u32) -> &[(State, f32)] {
+        &self.states[self.first[place as usize] as usize..self.first[place as usize + 1] as usize]
     }
 
-    /// The bonds and orders of a choice of states.
-    pub(super) fn orders(&self, chosen: &[u8]) -> Vec<(u32, u8)> {
-        let order = |(a, _, slot, ..): &(u32, u32, u8, u8, Pair)| {
-            let (place, slot) = (*a as usize, usize::from(*slot));
-            let bond = self.setup.graph.around(self.atoms[place] as usize)[slot].bond;
+    /// Lists the bonds and orders of a choice of states.
+    fn list_orders(&self, chosen: &[u8], out: &mut Vec<(u32, u8)>) {
+        let order = |edge: &Edge| {
+            let (place, slot) = (edge.places[0], usize::from(edge.slots[0]));
+            let bond = self.setup.graph.around(self.atoms[place as usize] as usize)[slot].bond;
             (self.setup.limits[bond as usize] > 0)
-                .then(|| (bond, 1 + self.states[place][usize::from(chosen[place])].0.extra(slot)))
+                .then(|| (bond, 1 + self.states(place)[usize::from(chosen[place as usize])].0.extra(slot)))
         };
-        self.edges.iter().filter_map(order).collect()
+        out.extend(self.edges.iter().filter_map(order));
     }
 
     /// The features of a choice of states: what the score is made of, and what the weights were fitted through.
     #[cfg(test)]
     pub(super) fn features(&self, chosen: &[u8], sink: &mut impl FnMut(u64, f32)) {
-        let state = |place: usize| self.states[place][usize::from(chosen[place])].0;
-        let site_of = |atom: usize| self.setup.sites[atom];
+        let state = |place: u32| self.states(place)[usize::from(chosen[place as usize])].0;
         for (place, &atom) in self.atoms.iter().enumerate() {
-            let graph = &self.setup.graph;
-            let atom = (atom as usize, features::opposite_angles(graph, atom as usize));
-            features::of_atom(graph, &self.setup.kinds, &site_of, atom, state(place), sink);
+            self.surroundings(atom as usize).features(state(place as u32), sink);
         }
-        for (a, b, slot, _, pair) in &self.edges {
-            let (one, other) = (state(*a as usize), state(*b as usize));
-            pair.features(one.extra(usize::from(*slot)), [one.pi, other.pi], sink);
+        for Edge { places, slots, pair } in &self.edges {
+            let [one, other] = places.map(state);
+            pair.features(one.extra(usize::from(slots[0])), [one.pi, other.pi], sink);
         }
-        for (a, _, pair) in &self.rims {
-            pair.features(0, [state(*a as usize).pi, 0], sink);
+        for Rim { place, pair, .. } in &self.rims {
+            pair.features(0, [state(*place).pi, 0], sink);
         }
     }
 
+    fn surroundings(&self, atom: usize) -> Surroundings {
+        Surroundings::new(&self.setup.graph, &self.setup.kinds, &|atom| self.setup.sites[atom], atom)
+    }
+
     /// The choices with their scores by a model.
-    pub(super) fn problem(&self, weights: &impl Weights) -> Problem {
-        let (graph, kinds) = (&self.setup.graph, &self.setup.kinds);
-        let site_of = |atom: usize| self.setup.sites[atom];
-        let mut problem = Problem::default();
-        for (&atom, states) in self.atoms.iter().zip(&self.states) {
-            let atom = (atom as usize, features::opposite_angles(graph, atom as usize));
-            let score = |&(state, cost): &(State, f32)| {
+    pub(super) fn state_problem(&self, weights: &impl Weights, problem: &mut Problem) {
+        let graph = &self.setup.graph;
+        problem.clear();
+        for (place, &atom) in self.atoms.iter().enumerate() {
+            let surroundings = self.surroundings(atom as usize);
+            problem.push_variable(self.states(place as u32).iter().map(|&(state, cost)| {
                 let mut score = -cost;
-                features::of_atom(graph, kinds, &site_of, atom, state, &mut |feature, value| {
-                    score += weights.weight(feature) * value;
-                });
+                surroundings.features(state, &mut |feature, value| score += weights.weight(feature) * value);
                 score
-            };
-            problem.unary.push(states.iter().map(score).collect());
+            }));
         }
         let scores_of = |pair: &Pair, elements: [usize; 2]| {
             let [a, b] = elements.map(|atom| graph.elements[atom]);
@@ -282,28 +304,61 @@ impl<'s, 'a> Component<'s, 'a> {
                 *slot
             }
         };
-        for (place, slot, pair) in &self.rims {
+        for Rim { place, slot, pair } in &self.rims {
             let atom = self.atoms[*place as usize] as usize;
             let mut score = scores_of(pair, [atom, graph.around(atom)[usize::from(*slot)].atom as usize]);
-            for (sum, (state, _)) in problem.unary[*place as usize].iter_mut().zip(&self.states[*place as usize]) {
+            for (sum, (state, _)) in problem.unary_mut(*place).iter_mut().zip(self.states(*place)) {
                 *sum += score(pair, 0, [state.pi, 0]);
             }
         }
-        for (a, b, slot, back, pair) in &self.edges {
+        for Edge { places: [a, b], slots, pair } in &self.edges {
             let mut score = scores_of(pair, [*a, *b].map(|place| self.atoms[place as usize] as usize));
-            let (ours, theirs) = (&self.states[*a as usize], &self.states[*b as usize]);
-            let mut scores = Vec::with_capacity(ours.len() * theirs.len());
-            for (one, _) in ours {
-                for (other, _) in theirs {
-                    let extra = one.extra(usize::from(*slot));
-                    let fits = usize::from(*back) >= MOST_NEIGHBOURS && extra == 0
-                        || usize::from(*back) < MOST_NEIGHBOURS && other.extra(usize::from(*back)) == extra;
-                    scores.push(if fits { score(pair, extra, [one.pi, other.pi]) } else { f32::NEG_INFINITY });
-                }
+            let [slot, back] = slots.map(usize::from);
+            let mut score = |one: State, other: State| {
+                let extra = one.extra(slot);
+                let fits = if back < MOST_NEIGHBOURS { other.extra(back) == extra } else { extra == 0 };
+                if fits { score(pair, extra, [one.pi, other.pi]) } else { f32::NEG_INFINITY }
+            };
+            problem.push_pair(*a, *b);
+            for &(one, _) in self.states(*a) {
+                problem.push_scores(self.states(*b).iter().map(|&(other, _)| score(one, other)));
             }
-            problem.pairs.push((*a, *b, scores));
         }
-        problem
+    }
+}
+
+/// Finds the best orders of one component after the other.
+pub(super) struct Finder<'s, 'a> {
+    component: Component<'s, 'a>,
+    problem: Problem,
+    solver: Solver,
+    /// The bonds so far and their orders.
+    pub(super) orders: Vec<(u32, u8)>,
+}
+
+impl<'s, 'a> Finder<'s, 'a> {
+    /// Nothing found yet.
+    pub(super) fn new(setup: &'s Setup<'a>) -> Finder<'s, 'a> {
+        let component = Component::new(setup);
+        Finder { component, problem: Problem::default(), solver: Solver::default(), orders: Vec::new() }
+    }
+
+    /// Adds the orders of the bonds between the atoms of a component that score best.
+    pub(super) fn add_best(&mut self, component: usize, weights: &impl Weights) {
+        let setup = self.component.setup;
+        if let Some(pair) = diatomic(setup, setup.members(component)) {
+            self.orders.push(pair);
+            return;
+        }
+        for most_cost in [USUAL_COST, f32::INFINITY] {
+            self.component.read(component, most_cost);
+            self.component.state_problem(weights, &mut self.problem);
+            let chosen = self.solver.solve(&self.problem);
+            if most_cost == f32::INFINITY || self.problem.score(chosen).is_finite() {
+                self.component.list_orders(chosen, &mut self.orders);
+                return;
+            }
+        }
     }
 }
 

@@ -32,72 +32,87 @@ fn coarse_ring(kind: u8) -> u64 {
     }
 }
 
-/// The intervals of the angles opposite to each bond of an atom with three neighbours; zeros for any other.
-pub(super) fn opposite_angles(graph: &Graph<'_>, atom: usize) -> [u8; 3] {
-    if graph.degree(atom) != 3 || !graph.has_geometry() {
-        return [0; 3];
-    }
-    std::array::from_fn(|slot| angle_interval(graph, atom, (slot + 1) % 3, (slot + 2) % 3))
+/// What is the same for all states of an atom.
+pub(super) struct Surroundings {
+    site: Site,
+    degree: usize,
+    has_geometry: bool,
+    /// One and the element of each neighbour, whether it is an end, and whether the bond is in a flat ring.
+    codes: [u64; MOST_NEIGHBOURS],
+    /// The same in ascending order.
+    sorted_codes: [u64; MOST_NEIGHBOURS],
+    /// What is seen of each neighbour of three: element, rings, and the interval of the angle opposite to its bond.
+    opposite: [[u64; 3]; 3],
 }
 
-/// The features of one atom in one state: each is passed to `sink` with its value. `angles` are its [`opposite_angles`].
-pub(super) fn of_atom(
-    graph: &Graph<'_>,
-    kinds: &RingKinds,
-    site_of: &impl Fn(usize) -> Site,
-    (atom, angles): (usize, [u8; 3]),
-    state: State,
-    sink: &mut impl FnMut(u64, f32),
-) {
-    let site = site_of(atom);
-    let (class, pi, ring) = (site.class(), u64::from(state.pi), u64::from(site.ring));
-    sink(pack(1, &[(class, 10), (pi, 3), (ring, 4)]), 1.0);
-    sink(
-        pack(
-            2,
-            &[
-                (u64::from(site.element), 4),
-                (u64::from(site.degree), 3),
-                (pi, 3),
-                (coarse_ring(site.ring), 3),
-                (u64::from(site.shape), 4),
-            ],
-        ),
-        1.0,
-    );
-    // The neighbours, and which of them has the extra pairs.
-    let around = graph.around(atom);
-    let mut codes = [0u64; MOST_NEIGHBOURS];
-    let mut partners = 0;
-    for (slot, neighbour) in around.iter().enumerate().take(MOST_NEIGHBOURS) {
-        let other = neighbour.atom as usize;
-        let beside = site_of(other);
-        let is_end = beside.degree == 1;
-        let in_ring = u64::from(is_flat_ring(kinds.bond(neighbour.bond)));
-        let code = u64::from(beside.element) << 2 | u64::from(is_end) << 1 | in_ring;
-        codes[slot] = code + 1;
-        if state.extra(slot) > 0 {
-            partners += (code + 1) * u64::from(state.extra(slot)) * 67;
-        }
-    }
-    codes.sort_unstable();
-    let mix = codes.iter().fold(partners, |mix, &code| mix.wrapping_mul(0x9E37_79B9).wrapping_add(code)) & 0xFFFF_FFFF;
-    sink(pack(3, &[(class, 10), (pi, 3), (mix, 32)]), 1.0);
-    if around.len() == 3 && (state.pi == 0 || state.sum() == 1) && graph.has_geometry() {
-        // The angle opposite to a double bond is narrow.
-        for (slot, neighbour) in around.iter().enumerate() {
-            let angle = angles[slot];
+impl Surroundings {
+    /// Reads an atom.
+    pub(super) fn new(
+        graph: &Graph<'_>,
+        kinds: &RingKinds,
+        site_of: &impl Fn(usize) -> Site,
+        atom: usize,
+    ) -> Surroundings {
+        let around = graph.around(atom);
+        let mut codes = [0u64; MOST_NEIGHBOURS];
+        for (code, neighbour) in codes.iter_mut().zip(around) {
             let beside = site_of(neighbour.atom as usize);
-            let facts = [
-                (u64::from(site.element), 4),
-                (u64::from(beside.element), 4),
-                (u64::from(state.extra(slot)), 1),
-                (u64::from(state.pi != 0), 1),
-                (coarse_ring(site.ring), 3),
-                (coarse_ring(kinds.bond(neighbour.bond)), 3),
-                (u64::from(angle), 4),
-            ];
-            sink(pack(4, &facts), 1.0);
+            let is_end = beside.degree == 1;
+            let in_ring = u64::from(is_flat_ring(kinds.bond(neighbour.bond)));
+            *code = (u64::from(beside.element) << 2 | u64::from(is_end) << 1 | in_ring) + 1;
+        }
+        let mut sorted_codes = codes;
+        sorted_codes.sort_unstable();
+        let mut opposite = [[0; 3]; 3];
+        if around.len() == 3 && graph.has_geometry() {
+            // The angle opposite to a double bond is narrow.
+            opposite = std::array::from_fn(|slot| {
+                let angle = angle_interval(graph, atom, (slot + 1) % 3, (slot + 2) % 3);
+                let beside = site_of(around[slot].atom as usize);
+                [u64::from(beside.element), coarse_ring(kinds.bond(around[slot].bond)), u64::from(angle)]
+            });
+        }
+        let has_geometry = graph.has_geometry();
+        Surroundings { site: site_of(atom), degree: around.len(), has_geometry, codes, sorted_codes, opposite }
+    }
+
+    /// The features of the atom in one state: each is passed to `sink` with its value.
+    pub(super) fn features(&self, state: State, sink: &mut impl FnMut(u64, f32)) {
+        let site = self.site;
+        let (class, pi, ring) = (site.class(), u64::from(state.pi), u64::from(site.ring));
+        sink(pack(1, &[(class, 10), (pi, 3), (ring, 4)]), 1.0);
+        sink(
+            pack(
+                2,
+                &[
+                    (u64::from(site.element), 4),
+                    (u64::from(site.degree), 3),
+                    (pi, 3),
+                    (coarse_ring(site.ring), 3),
+                    (u64::from(site.shape), 4),
+                ],
+            ),
+            1.0,
+        );
+        // The neighbours, and which of them has the extra pairs.
+        let extra = |slot: usize| u64::from(state.extra(slot));
+        let partners: u64 = self.codes.iter().enumerate().map(|(slot, code)| code * extra(slot) * 67).sum();
+        let step = |mix: u64, &code: &u64| mix.wrapping_mul(0x9E37_79B9).wrapping_add(code);
+        let mix = self.sorted_codes.iter().fold(partners, step) & 0xFFFF_FFFF;
+        sink(pack(3, &[(class, 10), (pi, 3), (mix, 32)]), 1.0);
+        if self.degree == 3 && (state.pi == 0 || state.sum() == 1) && self.has_geometry {
+            for (slot, &[element, ring, angle]) in self.opposite.iter().enumerate() {
+                let facts = [
+                    (u64::from(site.element), 4),
+                    (element, 4),
+                    (extra(slot), 1),
+                    (u64::from(state.pi != 0), 1),
+                    (coarse_ring(site.ring), 3),
+                    (ring, 3),
+                    (angle, 4),
+                ];
+                sink(pack(4, &facts), 1.0);
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The covalent graph of the heavy nonmetals, with what else each of them holds.
 
 use crate::element::Element;
-use crate::structure::{Bond, BondKind, Cell};
+use crate::structure::{Bond, BondKind, ByAtom, Cell};
 use glam::{Mat3, Vec3};
 
 /// A neighbour of an atom.
@@ -19,9 +19,7 @@ pub(super) struct Graph<'a> {
     positions: &'a [Vec3],
     bonds: &'a [Bond],
     lattice: Option<Mat3>,
-    /// The neighbours of atom `i` are `around[start[i]..start[i + 1]]`.
-    start: Vec<u32>,
-    around: Vec<Neighbour>,
+    around: ByAtom<Neighbour>,
     held: Vec<Held>,
     /// Nonmetals and their coordination bonds to metals, sorted.
     to_metals: Vec<(u32, u32)>,
@@ -53,21 +51,15 @@ impl<'a> Graph<'a> {
         cell: Option<&Cell>,
     ) -> Graph<'a> {
         let count = elements.len();
-        let mut start = vec![0u32; count + 1];
         let mut held = vec![Held::default(); count];
         let mut to_metals = Vec::new();
-        let is_edge = |bond: &Bond| {
-            let (a, b) = (bond.a as usize, bond.b as usize);
-            a < count && b < count && a != b && is_heavy(elements[a]) && is_heavy(elements[b]) && is_shared(bond)
-        };
+        let is_edge = |bond: &Bond| is_edge(elements, bond);
         for (index, bond) in bonds.iter().enumerate() {
             let ends = [bond.a as usize, bond.b as usize];
             if ends.iter().any(|&end| end >= count) || ends[0] == ends[1] || bond.kind == BondKind::Hydrogen {
                 continue;
             }
             if is_edge(bond) {
-                start[ends[0]] += 1;
-                start[ends[1]] += 1;
                 continue;
             }
             for (end, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
@@ -83,24 +75,18 @@ impl<'a> Graph<'a> {
                 }
             }
         }
-        let mut sum = 0u32;
-        for count in &mut start {
-            sum += *count;
-            *count = sum;
-        }
-        let mut around = vec![Neighbour { atom: 0, bond: 0 }; sum as usize];
-        for (index, bond) in bonds.iter().enumerate().rev().filter(|(_, bond)| is_edge(bond)) {
-            for (end, other) in [(bond.a, bond.b), (bond.b, bond.a)] {
-                let slot = &mut start[end as usize];
-                *slot -= 1;
-                around[*slot as usize] = Neighbour { atom: other, bond: index as u32 }; // 16 bytes each: below 2^32
-            }
-        }
+        // Indices: 16 bytes a bond, below 2^32.
+        let edges = || (0u32..).zip(bonds).filter(|(_, bond)| is_edge(bond));
+        let around = ByAtom::new(count, || {
+            edges().flat_map(|(bond, &Bond { a, b, .. })| {
+                [(a, Neighbour { atom: b, bond }), (b, Neighbour { atom: a, bond })]
+            })
+        });
         let is_periodic = bonds.iter().any(Bond::is_periodic);
         let lattice = cell.filter(|_| is_periodic).map(|cell| cell.cartesian_from_fractional().as_mat3());
         let positions = if positions.len() == count { positions } else { &[] };
         to_metals.sort_unstable();
-        Graph { elements, positions, bonds, lattice, start, around, held, to_metals }
+        Graph { elements, positions, bonds, lattice, around, held, to_metals }
     }
 
     /// The number of atoms, hydrogens and metals too.
@@ -118,14 +104,21 @@ impl<'a> Graph<'a> {
         self.bonds
     }
 
+    /// An edge as the atom of lower index has it; `None` for a bond that is no edge.
+    pub(super) fn edge(&self, bond: u32) -> Option<(usize, Neighbour)> {
+        let ends = &self.bonds[bond as usize];
+        let (low, high) = (ends.a.min(ends.b), ends.a.max(ends.b));
+        is_edge(self.elements, ends).then_some((low as usize, Neighbour { atom: high, bond }))
+    }
+
     /// The heavy neighbours of an atom.
     pub(super) fn around(&self, atom: usize) -> &[Neighbour] {
-        &self.around[self.start[atom] as usize..self.start[atom + 1] as usize]
+        self.around.of(atom)
     }
 
     /// The number of heavy neighbours.
     pub(super) fn degree(&self, atom: usize) -> usize {
-        (self.start[atom + 1] - self.start[atom]) as usize
+        self.around(atom).len()
     }
 
     /// What an atom holds beside them.
@@ -158,6 +151,12 @@ impl<'a> Graph<'a> {
             _ => between,
         }
     }
+}
+
+/// Whether a bond is an edge of the graph.
+fn is_edge(elements: &[Element], bond: &Bond) -> bool {
+    let heavy = |atom: u32| elements.get(atom as usize).is_some_and(|&element| is_heavy(element));
+    is_shared(bond) && bond.a != bond.b && heavy(bond.a) && heavy(bond.b)
 }
 
 /// Whether a bond is an electron pair to which both atoms gave; a dative one is a donor's, as that to a metal.

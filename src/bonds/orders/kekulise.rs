@@ -6,7 +6,7 @@
 
 use super::graph::Graph;
 use super::sites::{RingKinds, UNKNOWN};
-use super::solve::Problem;
+use super::solve::{Problem, Solver};
 use super::states::{self, MOST_NEIGHBOURS, State};
 use crate::element::Element;
 use crate::structure::{Bond, BondOrder, Structure};
@@ -37,6 +37,7 @@ fn orders(structure: &Structure, bonds: &[Bond], is_open: &dyn Fn(u32) -> bool) 
     let known = super::hydrogens_known(&graph, &vec![true; graph.atom_count()]);
     let mut is_seen = vec![false; graph.atom_count()];
     let mut orders = Vec::new();
+    let (mut problem, mut solver) = (Problem::default(), Solver::default());
     for start in 0..graph.atom_count() {
         let mut atoms = vec![start as u32];
         if std::mem::replace(&mut is_seen[start], true) || !graph.around(start).iter().any(|next| is_open(next.bond)) {
@@ -51,13 +52,13 @@ fn orders(structure: &Structure, bonds: &[Bond], is_open: &dyn Fn(u32) -> bool) 
                 }
             }
         }
-        let mut problem = Problem::default();
+        problem.clear();
         let mut all: Vec<Vec<State>> = Vec::new();
         for &atom in &atoms {
             let atom = atom as usize;
             let (states, scores) = choices(&graph, &kinds, structure, atom, known[atom], is_open);
             all.push(states);
-            problem.unary.push(scores);
+            problem.push_variable(scores);
         }
         let place: std::collections::HashMap<u32, usize> =
             atoms.iter().enumerate().map(|(place, &atom)| (atom, place)).collect();
@@ -70,11 +71,12 @@ fn orders(structure: &Structure, bonds: &[Bond], is_open: &dyn Fn(u32) -> bool) 
                 let pairs = all[here].iter().flat_map(|one| all[there].iter().map(move |other| (one, other)));
                 let fits = pairs
                     .map(|(one, other)| if extra(one, slot) == extra(other, back) { 0.0 } else { f32::NEG_INFINITY });
-                problem.pairs.push((here as u32, there as u32, fits.collect()));
+                problem.push_pair(here as u32, there as u32);
+                problem.push_scores(fits);
                 edges.push((next.bond, here, slot));
             }
         }
-        let chosen = problem.solve();
+        let chosen = solver.solve(&problem);
         orders.extend(edges.into_iter().map(|(bond, here, slot)| {
             let state = all[here][usize::from(chosen[here])];
             (bond, 1 + if slot < MOST_NEIGHBOURS { state.extra(slot) } else { 0 })
@@ -98,7 +100,8 @@ fn choices(
     let fixed_extra: usize = around.iter().map(|next| fixed(graph.bonds()[next.bond as usize].order)).sum();
     let hydrogens = if is_known { graph.held(atom).hydrogens } else { UNKNOWN };
     let allowed = |slot: usize| u8::from(is_open(around[slot].bond));
-    let mut found = states::states(graph, kinds, atom, hydrogens, fixed_extra, f32::INFINITY, allowed);
+    let mut found = Vec::new();
+    states::states(graph, kinds, atom, hydrogens, fixed_extra, f32::INFINITY, allowed, &mut found);
     // Only the heavier elements have two double bonds in such groups: sulfonates, perchlorate.
     found.retain(|(state, _)| state.sum() <= 1 || element.period() > 2);
     let stated = structure.formal_charge(atom);

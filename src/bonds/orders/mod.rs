@@ -54,7 +54,7 @@ mod tests;
 
 use crate::element::Element;
 use crate::structure::{Bond, BondKind, BondOrder, BondSource, Cell, Structure};
-use component::{Component, Setup};
+use component::{Finder, Setup};
 use glam::Vec3;
 use graph::Graph;
 use model::MODEL;
@@ -69,13 +69,21 @@ pub(super) fn perceive(elements: &[Element], positions: &[Vec3], cell: Option<&C
         return;
     }
     let mut is_open = open_bonds(elements, bonds);
-    let by_rule = inorganic::find(&Graph::new(elements, positions, bonds, cell), &is_open);
-    for (bond, order) in by_rule {
-        bonds[bond as usize].order = BondOrder::from_number(u32::from(order));
-        is_open[bond as usize] = false;
+    if !is_open.contains(&true) {
+        return;
     }
+    let graph = Graph::new(elements, positions, bonds, cell);
+    let by_rule = inorganic::find(&graph, &is_open);
     let found = {
-        let graph = Graph::new(elements, positions, bonds, cell);
+        let graph = if by_rule.is_empty() {
+            graph
+        } else {
+            for (bond, order) in by_rule {
+                bonds[bond as usize].order = BondOrder::from_number(u32::from(order));
+                is_open[bond as usize] = false;
+            }
+            Graph::new(elements, positions, bonds, cell)
+        };
         let Some(reach) = reach(&graph, &is_open) else { return };
         let rings = rings::find(&graph, |atom| reach[atom], rings::LARGEST_RING);
         let known = hydrogens_known(&graph, &reach);
@@ -175,8 +183,16 @@ fn reach(graph: &Graph<'_>, is_open: &[bool]) -> Option<Vec<bool>> {
 
 /// The order of every bond in reach, by the model.
 fn best_orders(setup: &Setup<'_>) -> Vec<(u32, u8)> {
-    let of_component = |atoms: Vec<u32>| Component::best(setup, atoms, &*MODEL);
-    setup.components().into_par_iter().with_min_len(8).flat_map_iter(of_component).collect()
+    let components = (0..setup.component_count()).into_par_iter().with_min_len(8);
+    let found = components.fold(
+        || Finder::new(setup),
+        |mut finder, component| {
+            finder.add_best(component, &*MODEL);
+            finder
+        },
+    );
+    // Every bond is in one component: their order does not matter.
+    found.map(|finder| finder.orders).collect::<Vec<_>>().concat()
 }
 
 /// The aromatic bonds with these orders; the others have the order that they state.

@@ -3,6 +3,7 @@
 use super::graph::Graph;
 use super::rings::Ring;
 use crate::element::Element;
+use glam::Vec3;
 
 /// Hydrogens of an atom of which they are not known.
 pub(super) const UNKNOWN: u8 = 7;
@@ -182,16 +183,26 @@ fn shape(graph: &Graph<'_>, atom: usize) -> u8 {
     }
 }
 
+/// Neighbours at the far end of a bond whose directions are kept while those at the near end are gone through.
+const KEPT: usize = 4;
+
 /// The interval of how far a bond is twisted out of plane: 0 where there is nothing to tell it from, 1 flat to 6.
 pub(super) fn twist(graph: &Graph<'_>, atom: usize, slot: usize) -> u8 {
     let to = graph.around(atom)[slot];
+    let (near, far) = (graph.around(atom), graph.around(to.atom as usize));
+    if near.len() < 2 || far.len() < 2 {
+        return 0;
+    }
     let axis = graph.vector(atom, to).normalize_or_zero();
+    let across = |vector: Vec3| vector.reject_from_normalized(axis).normalize_or_zero();
+    let there = |at: usize| across(graph.vector(to.atom as usize, far[at]));
+    let kept: [Vec3; KEPT] = std::array::from_fn(|at| if at < far.len() { there(at) } else { Vec3::ZERO });
     let mut sum = 0.0;
     let mut count = 0u8;
-    for &one in graph.around(atom).iter().filter(|one| one.bond != to.bond) {
-        let here = graph.vector(atom, one).reject_from_normalized(axis).normalize_or_zero();
-        for &other in graph.around(to.atom as usize).iter().filter(|other| other.bond != to.bond) {
-            let there = graph.vector(to.atom as usize, other).reject_from_normalized(axis).normalize_or_zero();
+    for &one in near.iter().filter(|one| one.bond != to.bond) {
+        let here = across(graph.vector(atom, one));
+        for at in (0..far.len()).filter(|&at| far[at].bond != to.bond) {
+            let there = if at < KEPT { kept[at] } else { there(at) };
             sum += here.cross(there).length().atan2(here.dot(there).abs()).to_degrees();
             count += 1;
         }

@@ -210,8 +210,9 @@ impl Linear {
     }
 }
 
-/// All states of an atom that cost no more than `most_cost`. `allowed` says which extra pairs a bond (by its place around the atom) may have;
-/// without extra pairs is the first.
+/// Adds all states of an atom that cost no more than `most_cost` to `out`. `allowed` says which extra pairs a bond (by its
+/// place around the atom) may have; without extra pairs is the first.
+#[allow(clippy::too_many_arguments, reason = "what is known of one atom, and the list that serves all")]
 pub(super) fn states(
     graph: &Graph<'_>,
     kinds: &RingKinds,
@@ -220,34 +221,34 @@ pub(super) fn states(
     fixed_extra: usize,
     most_cost: f32,
     allowed: impl Fn(usize) -> u8,
-) -> Vec<(State, f32)> {
-    let mut out = Vec::new();
+    out: &mut Vec<(State, f32)>,
+) {
     let held = graph.held(atom);
     let element = graph.elements[atom];
     let degree = graph.degree(atom);
     let known = (hydrogens != UNKNOWN).then_some(held.hydrogens);
     let taken = usize::from(held.others) + usize::from(held.hydrogens);
     let bonds = degree + taken;
-    let most = usize::from(most_extra(element, degree, taken, is_flat_ring(kinds.atom(atom))));
+    let most = usize::from(most_extra(element, degree, taken, is_flat_ring(kinds.atom(atom)))).max(fixed_extra);
     let linear = Linear::new(graph, atom);
     let has_metals = held.metals > 0;
     let limits: [u8; MOST_NEIGHBOURS] =
-        std::array::from_fn(|slot| if slot < degree && degree <= MOST_NEIGHBOURS { allowed(slot) } else { 0 });
-    for extra in 0..=(255u8 >> (2 * (MOST_NEIGHBOURS - degree.min(MOST_NEIGHBOURS)))) {
-        let of = |slot: usize| (extra >> (2 * slot)) & 3;
-        let sum: usize = (0..MOST_NEIGHBOURS).map(|slot| usize::from(of(slot))).sum();
-        if (0..MOST_NEIGHBOURS).any(|slot| of(slot) > limits[slot]) || sum + fixed_extra > most.max(fixed_extra) {
-            continue;
+        std::array::from_fn(|slot| if slot < degree && degree <= MOST_NEIGHBOURS { allowed(slot).min(3) } else { 0 });
+    let mut of = [0u8; MOST_NEIGHBOURS];
+    loop {
+        let sum: usize = of.iter().map(|&extra| usize::from(extra)).sum();
+        if sum + fixed_extra <= most && linear.fits([of[0], of[1]]) {
+            let extra = of.iter().rev().fold(0, |extra, &of| extra << 2 | of);
+            let pi = pi_kind(graph, kinds, atom, extra);
+            match cost(element, bonds + fixed_extra + sum, bonds, known, has_metals) {
+                Some((cost, charge)) if cost <= most_cost => out.push((State { extra, pi, charge }, cost)),
+                None if extra == 0 => out.push((State { extra, pi, charge: 0 }, 0.0)),
+                _ => {}
+            }
         }
-        if !linear.fits([of(0), of(1)]) {
-            continue;
-        }
-        let pi = pi_kind(graph, kinds, atom, extra);
-        match cost(element, bonds + fixed_extra + sum, bonds, known, has_metals) {
-            Some((cost, charge)) if cost <= most_cost => out.push((State { extra, pi, charge }, cost)),
-            None if extra == 0 => out.push((State { extra, pi, charge: 0 }, 0.0)),
-            _ => {}
-        }
+        // The next choice: the first bond runs fastest.
+        let Some(slot) = (0..MOST_NEIGHBOURS).find(|&slot| of[slot] < limits[slot]) else { return };
+        of[slot] += 1;
+        of[..slot].fill(0);
     }
-    out
 }

@@ -1,5 +1,7 @@
 //! Functional groups with and without hydrogens, from geometry alone.
 
+use super::component::Component;
+use super::solve::{Problem, Solver};
 use super::*;
 use crate::bonds::{BondMode, BondOptions, assign, find};
 use crate::structure::{AtomRecord, Diagnostics, StatedBonds, StructureBuilder};
@@ -376,18 +378,22 @@ fn the_score_of_a_choice_is_the_sum_of_its_features_costs_and_lengths() {
     let graph = Graph::new(molecule.elements(), molecule.positions().relative(), &bonds, None);
     let rings = rings::find(&graph, |_| true, rings::LARGEST_RING);
     let setup = Setup::new(graph, &rings, &|_| true, &|_| true);
-    let component = Component::new(&setup, setup.components().remove(0), f32::INFINITY);
-    let chosen = component.problem(&*MODEL).solve();
+    let mut component = Component::new(&setup);
+    component.read(0, f32::INFINITY);
+    let (mut problem, mut solver) = (Problem::default(), Solver::default());
+    component.state_problem(&*MODEL, &mut problem);
+    let chosen = solver.solve(&problem);
     struct Unweighted;
     impl features::Weights for Unweighted {
         fn weight(&self, _: u64) -> f32 {
             0.0
         }
     }
-    let mut by_features = component.problem(&Unweighted).score(&chosen);
+    let score = problem.score(chosen);
+    component.state_problem(&Unweighted, &mut problem);
+    let mut by_features = problem.score(chosen);
     component
-        .features(&chosen, &mut |feature, value| by_features += features::Weights::weight(&*MODEL, feature) * value);
-    let score = component.problem(&*MODEL).score(&chosen);
+        .features(chosen, &mut |feature, value| by_features += features::Weights::weight(&*MODEL, feature) * value);
     assert!((score - by_features).abs() < 1e-3 && score != 0.0, "{score} {by_features}");
 }
 

@@ -14,12 +14,13 @@ use crate::structure::Diagnostics;
 use memchr::memchr;
 use rayon::prelude::*;
 
-/// Bytes from which on reading on all cores pays (chosen: two parts).
+/// Bytes from which on reading on all cores pays (chosen: some parts for each of a few cores).
 const LARGE: usize = 4 << 20;
-/// Bytes of one part: many enough for the cores to share, large enough that putting them together costs nothing (chosen).
-const PART: usize = 2 << 20;
+/// Bytes of one part: small enough that the cores end a wave at nearly the same time, large enough that putting parts together
+/// costs little (chosen).
+const PART: usize = 1 << 19;
 /// Parts that are read at the same time, for each thread.
-const PARTS_A_THREAD: usize = 2;
+const PARTS_A_THREAD: usize = 8;
 /// Rows for which room is made in advance at most; what has more grows as it is read.
 const MAX_RESERVED: usize = 4 << 20;
 
@@ -116,7 +117,7 @@ impl<'a> RowReader<'_, 'a> {
             let outcome = reader.read_lines(text, 0, &mut sites);
             (text, outcome.map(|(bytes, lines)| Part { sites, bytes, lines }))
         };
-        let read_all = |parts: Vec<&'a [u8]>| -> Vec<_> { parts.into_par_iter().map(read).collect() };
+        let read_all = |parts: Vec<&'a [u8]>| -> Vec<_> { parts.into_par_iter().with_max_len(1).map(read).collect() };
         let mut ready = read_all(next_wave());
         while !ready.is_empty() {
             let wave = next_wave();

@@ -12,9 +12,9 @@ use super::symmetry;
 use crate::error::{Error, Result};
 use crate::structure::{StructureBuilder, atom_flags};
 
-/// Bytes of a chunk: some 25,000 atoms, so that two threads are busy until near the end of a file and what waits to be
-/// put together stays small.
-pub(super) const CHUNK_BYTES: usize = 2 << 20;
+/// Bytes of a chunk: some 6,000 atoms, so that threads end a wave at nearly the same time and what waits to be put
+/// together stays small.
+pub(super) const CHUNK_BYTES: usize = 1 << 19;
 /// Lines before a chunk that are searched for its last atom: a TER, or a few records between atoms.
 const LOOK_BACK_LINES: usize = 20;
 

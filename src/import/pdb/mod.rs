@@ -45,7 +45,7 @@ pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnos
 }
 
 /// Chunks that are read at the same time, for each thread: while they are put together, as many are being read.
-const CHUNKS_A_THREAD: usize = 2;
+const CHUNKS_A_THREAD: usize = 8;
 
 fn read_in_chunks(
     text: &[u8],
@@ -108,7 +108,8 @@ fn scan_all<'a>(wave: Vec<(&'a [u8], Numbers)>, fresh: &AtomReader<'a>, most: Mo
         reader.numbers = numbers.clone();
         (chunk, numbers, chunks::scan(chunk, reader, most))
     };
-    wave.into_par_iter().map(scan).collect()
+    // One by one, so that a thread that is done first takes from what the others have left.
+    wave.into_par_iter().with_max_len(1).map(scan).collect()
 }
 
 /// What stands before a part of a text.

@@ -52,7 +52,9 @@ impl NumberColumn {
 
     /// Full columns that are no decimal, or a decimal where it might be hexadecimal.
     fn read_odd(&mut self, text: &[u8], decimal: Option<i64>, overflow: i64) -> Option<i64> {
-        let hexadecimal = hexadecimal(text).filter(|&value| {
+        let may_be = self.hexadecimal || text.first().is_some_and(u8::is_ascii_digit);
+        let hexadecimal = if may_be { hexadecimal(text) } else { None };
+        let hexadecimal = hexadecimal.filter(|&value| {
             let follows = match self.previous {
                 _ if text.len() != self.width as usize => false,
                 // A hexadecimal without a letter must follow exactly.
@@ -63,7 +65,7 @@ impl NumberColumn {
             };
             value >= overflow && follows
         });
-        if let Some(value) = hexadecimal.filter(|_| self.hexadecimal || text[0].is_ascii_digit()) {
+        if let Some(value) = hexadecimal {
             self.hexadecimal = true;
             self.met_hexadecimal = true;
             return Some(value);
@@ -93,12 +95,21 @@ pub(super) fn hybrid36(text: &[u8], width: u32) -> Option<i64> {
         return None;
     }
     let upper = text[0].is_ascii_uppercase();
-    let fits =
-        |byte: &u8| byte.is_ascii_digit() || if upper { byte.is_ascii_uppercase() } else { byte.is_ascii_lowercase() };
-    if !text[0].is_ascii_alphabetic() || !text.iter().all(fits) {
+    if !text[0].is_ascii_alphabetic() {
         return None;
     }
-    let value = i64::from_str_radix(std::str::from_utf8(text).ok()?, 36).ok()?;
+    let a = if upper { b'A' } else { b'a' };
+    let mut value = 0;
+    for &byte in text {
+        let digit = match byte.wrapping_sub(b'0') {
+            digit @ 0..=9 => digit,
+            _ => match byte.wrapping_sub(a) {
+                letter @ 0..=25 => letter + 10,
+                _ => return None,
+            },
+        };
+        value = value * 36 + i64::from(digit); // six of them at most
+    }
     let block = 36i64.pow(width - 1);
     // Upper case goes from A000… on; its 26 blocks come before those of lower case.
     Some(value - 10 * block + 10i64.pow(width) + if upper { 0 } else { 26 * block })

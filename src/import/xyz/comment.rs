@@ -25,6 +25,17 @@ impl Comment {
     pub(super) fn vector_names(&self) -> impl Iterator<Item = String> {
         self.columns.iter().filter(|column| column.role == Role::Vector).map(|column| column.name.clone())
     }
+
+    /// Whether it says of the columns nothing, or that they are a symbol and a position.
+    pub(super) fn is_plain(&self) -> bool {
+        match self.columns.as_slice() {
+            [] => true,
+            [symbol, position] => {
+                (symbol.kind, symbol.count, symbol.role) == (b'S', 1, Role::Species) && position.role == Role::Position
+            }
+            _ => false,
+        }
+    }
 }
 
 /// One entry of `Properties`.

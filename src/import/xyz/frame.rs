@@ -77,6 +77,11 @@ impl Frame {
         Ok(())
     }
 
+    /// Whether the atoms of this frame are known to have nothing behind their positions.
+    pub(super) fn expects_nothing_more(&self, comment: &Comment) -> bool {
+        (self.begun || !comment.columns.is_empty()) && self.plain_extra == 0 && self.vectors.is_empty()
+    }
+
     /// A later part of a frame that begins as `first` does.
     pub(super) fn part_of(first: &Frame, comment: &Comment) -> Frame {
         let mut frame = Frame::new(comment);

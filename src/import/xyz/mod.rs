@@ -15,6 +15,7 @@
 
 mod comment;
 mod frame;
+mod run;
 mod waves;
 
 use super::collect::Records;
@@ -110,7 +111,12 @@ impl Reader {
         }
         let comment = comment::read(comment_line, lines.number(), diagnostics);
         let mut frame = Frame::new(&comment);
-        for index in 0..count {
+        let mut index = 0;
+        while index < count {
+            index += frame.plain_run(lines, count - index, &comment, &mut self.notes);
+            if index == count {
+                break;
+            }
             let before = lines.clone();
             let Some(line) = lines.next() else {
                 lines.check()?;
@@ -118,7 +124,10 @@ impl Reader {
                 return Err(Error::input(lines.number(), message));
             };
             let number = lines.number();
-            let Err(expected) = frame.atom(line, number, &comment, &mut self.notes) else { continue };
+            let Err(expected) = frame.atom(line, number, &comment, &mut self.notes) else {
+                index += 1;
+                continue;
+            };
             // The count of the next frame (alone on its line) shows that this one is short.
             if parse_i64(line.trim_ascii()).is_some() {
                 *lines = before;

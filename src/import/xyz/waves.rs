@@ -164,9 +164,12 @@ fn read_part(part: &Part<'_>, first: &Frame, comment: &Comment) -> Option<(Frame
     frame.builder.reserve_positions(part.atoms);
     let mut notes = Notes::default();
     let mut lines = part.lines.clone();
-    for _ in 0..part.atoms {
+    let mut atoms = frame.plain_run(&mut lines, part.atoms, comment, &mut notes);
+    while atoms < part.atoms {
         let line = lines.next()?;
         frame.atom(line, lines.number(), comment, &mut notes).ok()?;
+        atoms += 1;
+        atoms += frame.plain_run(&mut lines, part.atoms - atoms, comment, &mut notes);
     }
     frame.is_like(first).then_some((frame, notes))
 }

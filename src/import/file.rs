@@ -1,0 +1,80 @@
+//! The bytes of a file, large ones read by all cores: of the time that reading takes most goes to copying and to
+//! the memory's first use, which several cores share.
+
+use rayon::prelude::*;
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom};
+
+/// Bytes that one core reads on end (chosen: a few milliseconds).
+const PIECE: usize = 4 << 20;
+
+/// All bytes of a file that is said to have `size`, at most `most` of them. A file that is longer or shorter than it said is
+/// read as it is.
+pub(super) fn read_all(mut file: File, size: u64, most: u64) -> io::Result<Vec<u8>> {
+    let said = usize::try_from(size.min(most)).unwrap_or(0);
+    let mut bytes = Vec::new();
+    if said >= 2 * PIECE && rayon::current_num_threads() > 1 {
+        bytes = read_pieces(&file, said, PIECE).unwrap_or_default();
+        file.seek(SeekFrom::Start(bytes.len() as u64))?;
+    }
+    if bytes.is_empty() {
+        bytes.reserve_exact(said.saturating_add(1));
+    }
+    // `take` stops at what never ends (a device) as well.
+    file.take(most - bytes.len() as u64).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The first `size` bytes; an error if there are fewer, or if they can only be read one after another.
+fn read_pieces(file: &File, size: usize, piece_bytes: usize) -> io::Result<Vec<u8>> {
+    let mut bytes = vec![0; size];
+    let pieces = bytes.par_chunks_mut(piece_bytes).enumerate();
+    pieces.try_for_each(|(index, piece)| read_exact_at(file, piece, (index * piece_bytes) as u64))?;
+    Ok(bytes)
+}
+
+#[cfg(unix)]
+fn read_exact_at(file: &File, bytes: &mut [u8], offset: u64) -> io::Result<()> {
+    std::os::unix::fs::FileExt::read_exact_at(file, bytes, offset)
+}
+
+#[cfg(windows)]
+fn read_exact_at(file: &File, bytes: &mut [u8], offset: u64) -> io::Result<()> {
+    let mut done = 0;
+    while done < bytes.len() {
+        match std::os::windows::fs::FileExt::seek_read(file, &mut bytes[done..], offset + done as u64) {
+            Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
+            Ok(count) => done += count,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
+}
+
+#[cfg(not(any(unix, windows)))]
+fn read_exact_at(_: &File, _: &mut [u8], _: u64) -> io::Result<()> {
+    Err(io::ErrorKind::Unsupported.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_and_wrong_sizes_give_the_file() {
+        let path = std::env::temp_dir().join(format!("ballstick-file-{}", std::process::id()));
+        let content: Vec<u8> = (0..1000u32).flat_map(u32::to_le_bytes).collect();
+        std::fs::write(&path, &content).unwrap();
+        let open = || File::open(&path).unwrap();
+        for piece_bytes in [1, 7, 4000, 5000] {
+            assert!(read_pieces(&open(), 4000, piece_bytes).unwrap() == content, "{piece_bytes}");
+        }
+        assert!(read_pieces(&open(), 4001, 7).is_err());
+        for size in [0, 10, 4000, 9999, 3 * PIECE as u64] {
+            assert!(read_all(open(), size, u64::MAX).unwrap() == content, "{size}");
+        }
+        assert!(read_all(open(), 4000, 1001).unwrap() == content[..1001]);
+        std::fs::remove_file(&path).unwrap();
+    }
+}
