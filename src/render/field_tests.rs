@@ -16,7 +16,7 @@ fn sphere(center: Vec3, radius: f32, id: u32) -> SphereInstance {
 fn scene(spheres: Vec<SphereInstance>, cylinders: Vec<CylinderInstance>) -> Scene {
     let id_count = (spheres.len() + cylinders.len()) as u32;
     let placement = Placement { block: 0, world_from_block: Affine3A::IDENTITY, first_id: 0 };
-    Scene::from_blocks(vec![Block { spheres, cylinders, id_count }], vec![placement])
+    Scene::from_blocks(vec![Block { spheres, cylinders, id_count, ..Block::default() }], vec![placement])
 }
 
 /// Balls and sticks in a cube of 20 Å, overlapping here and there, with flat and round caps.

@@ -74,7 +74,7 @@ pub(super) fn build(item: &Item<'_>, options: &SceneOptions) -> Block {
         artist.stub(stub, id_of_bond(bond_count.saturating_add(index as u32)), |stick| cylinders.push(stick));
     }
     let id_count = last.saturating_add(bond_count).saturating_add(u32::try_from(stubs.len()).unwrap_or(u32::MAX));
-    Block { spheres, cylinders, id_count }
+    Block { spheres, cylinders, id_count, ..Block::default() }
 }
 
 /// Draws bonds.

@@ -36,7 +36,7 @@ pub(super) fn block(cell: &Cell, corner: Vec3) -> Block {
             });
         }
     }
-    Block { spheres: Vec::new(), cylinders, id_count: 1 }
+    Block { cylinders, id_count: 1, ..Block::default() }
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ pub mod fit;
 mod haptic;
 mod instances;
 mod light;
+mod shapes;
 mod sticks;
 mod style;
 
@@ -21,6 +22,7 @@ pub use camera::{Camera, PixelGrid, Projection, Ray, Region};
 pub use coloring::ColorBy;
 pub use instances::{Cap, CylinderInstance, SphereInstance};
 pub use light::{Background, Ground, Lighting};
+pub use shapes::{ConeInstance, TorusInstance, TriangleInstance};
 pub use style::Style;
 
 use crate::math::Aabb;
@@ -34,6 +36,12 @@ pub struct Block {
     pub spheres: Vec<SphereInstance>,
     /// Sticks.
     pub cylinders: Vec<CylinderInstance>,
+    /// Arrowheads and wedges.
+    pub cones: Vec<ConeInstance>,
+    /// Rings.
+    pub tori: Vec<TorusInstance>,
+    /// Meshes.
+    pub triangles: Vec<TriangleInstance>,
     /// Ids in this block are 1 ..= `id_count`; a placement shifts them.
     pub id_count: u32,
 }
@@ -165,6 +173,18 @@ impl Scene {
             for stick in &block.cylinders {
                 bounds = bounds.union(Aabb::of_sphere(to_world(stick.a), stick.radius));
                 bounds = bounds.union(Aabb::of_sphere(to_world(stick.b), stick.radius));
+            }
+            for cone in &block.cones {
+                bounds = bounds.union(Aabb::of_sphere(to_world(cone.a), cone.radius_a));
+                bounds = bounds.union(Aabb::of_sphere(to_world(cone.b), cone.radius_b));
+            }
+            for torus in &block.tori {
+                let axis = placement.world_from_block.transform_vector3(torus.axis.into()).to_array();
+                let torus = TorusInstance { center: to_world(torus.center).to_array(), axis, ..*torus };
+                bounds = bounds.union(torus.bounds());
+            }
+            for corner in block.triangles.iter().flat_map(|triangle| triangle.corners) {
+                bounds = bounds.union(Aabb::of_sphere(to_world(corner), 0.0));
             }
         }
         bounds

@@ -39,7 +39,7 @@ fn stick(a: Vec3, b: Vec3, radius: f32, caps: (Cap, Cap), id: u32) -> CylinderIn
 
 fn scene_of(spheres: Vec<SphereInstance>, cylinders: Vec<CylinderInstance>) -> Scene {
     let id_count = (spheres.len() + cylinders.len()) as u32;
-    let block = Block { spheres, cylinders, id_count };
+    let block = Block { spheres, cylinders, id_count, ..Block::default() };
     let placement = Placement { block: 0, world_from_block: Affine3A::IDENTITY, first_id: 0 };
     Scene::from_blocks(vec![block], vec![placement])
 }
@@ -184,6 +184,7 @@ fn placements() -> Scene {
         spheres: vec![sphere(Vec3::ZERO, 0.5, 0xFF_0D_0D, 1), sphere(Vec3::X, 0.3, 0xFF_FF_FF, 2)],
         cylinders: vec![stick(Vec3::ZERO, Vec3::X, 0.12, (Cap::Flat, Cap::Flat), 3)],
         id_count: 3,
+        ..Block::default()
     };
     let mirrored = Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0));
     let places = [

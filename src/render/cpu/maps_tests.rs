@@ -33,7 +33,7 @@ fn chain(seed: u64, count: u32, caps: u32) -> Scene {
         })
         .collect();
     let placement = Placement { block: 0, world_from_block: Affine3A::IDENTITY, first_id: 0 };
-    Scene::from_blocks(vec![Block { spheres, cylinders, id_count: 2 * count }], vec![placement])
+    Scene::from_blocks(vec![Block { spheres, cylinders, id_count: 2 * count, ..Block::default() }], vec![placement])
 }
 
 fn shapes(scene: &Scene) -> Vec<Shape> {
@@ -120,7 +120,7 @@ fn the_keys_visibility_is_that_of_rays() {
 fn a_ball_alone_hides_nothing_from_itself_however_grazing() {
     let spheres = vec![SphereInstance { center: [300.0, -200.0, 100.0], radius: 1.3, color: Srgb8::WHITE, id: 1 }];
     let placement = Placement { block: 0, world_from_block: Affine3A::IDENTITY, first_id: 0 };
-    let scene = Scene::from_blocks(vec![Block { spheres, cylinders: vec![], id_count: 1 }], vec![placement]);
+    let scene = Scene::from_blocks(vec![Block { spheres, id_count: 1, ..Block::default() }], vec![placement]);
     let maps = Maps::new(&scene, &sky::directions(64));
     for n in sky::directions(2000) {
         let mut eight = Points::default();
