@@ -4,7 +4,7 @@
 //! hierarchy asks only primitives nearer than what matters. The ground's light is found once per texel of a map on
 //! the plane (see [`super::frame::GroundGrid`]) and interpolated. `shaders/ground_map.wgsl` holds the twins.
 
-use super::frame::FrameConstants;
+use super::frame::{FrameConstants, ground_light};
 use super::hierarchy::Hierarchy;
 use super::solids::{Cylinder, Solids, Sphere};
 use crate::math::Aabb;
@@ -202,6 +202,53 @@ impl GroundMap {
     #[must_use]
     pub fn none() -> GroundMap {
         GroundMap { size: [0, 0], texels: Vec::new() }
+    }
+
+    /// [`ground_light`] at points of the ground, the same as with [`GroundMap::at`] one by one.
+    #[inline(always)]
+    #[must_use]
+    pub fn light<const N: usize>(&self, frame: &FrameConstants, x_in_world: &[f32; N], z_in_world: &[f32; N]) -> [f32; N] {
+        let grid = frame.ground_grid();
+        let mut light = [1.0; N];
+        let [width, height] = self.size;
+        if width < 2 || height < 2 {
+            return light;
+        }
+        let (mut at, mut part) = ([0u32; N], [[0.0f32; N]; 2]);
+        let mut inside = [false; N];
+        for i in 0..N {
+            let x = (x_in_world[i] - grid.corner[0]) * grid.texels_per_angstrom - 0.5;
+            let z = (z_in_world[i] - grid.corner[1]) * grid.texels_per_angstrom - 0.5;
+            inside[i] = (x >= 0.0) & (z >= 0.0) & (x <= width as f32 - 1.0) & (z <= height as f32 - 1.0);
+            let (x, z) = if inside[i] { (x, z) } else { (0.0, 0.0) };
+            let (x0, z0) = (x.floor(), z.floor());
+            part[0][i] = x - x0;
+            part[1][i] = z - z0;
+            at[i] = z0 as i32 as u32 * width + x0 as i32 as u32;
+        }
+        if inside.iter().all(|&inside| !inside) {
+            return light;
+        }
+        let last = self.texels.len() - 1;
+        let mut corners = [[[1.0f32; N]; 2]; 4];
+        for i in 0..N {
+            let at = at[i] as usize;
+            for (corner, at) in [at, at + 1, at + width as usize, at + width as usize + 1].into_iter().enumerate() {
+                let texel = self.texels[at.min(last)];
+                corners[corner][0][i] = texel[0];
+                corners[corner][1][i] = texel[1];
+            }
+        }
+        for i in 0..N {
+            let mix = |kind: usize| {
+                let near = corners[0][kind][i] + (corners[1][kind][i] - corners[0][kind][i]) * part[0][i];
+                let far = corners[2][kind][i] + (corners[3][kind][i] - corners[2][kind][i]) * part[0][i];
+                near + (far - near) * part[1][i]
+            };
+            let mixed = ground_light(frame, mix(0), mix(1));
+            light[i] = if inside[i] { mixed } else { 1.0 };
+        }
+        light
     }
 
     /// Key light and open sky at a world point, interpolated between texel centres; full light outside the map.

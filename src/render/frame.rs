@@ -204,7 +204,14 @@ pub struct Surface {
     pub albedo: Vec3,
 }
 
+/// `f32::max` keeps a number beside NaN, which costs; this becomes one instruction.
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
 /// Light from a point of the molecule, given what reaches it from afar; `direction` is the ray's, view space.
+#[inline(always)]
 #[must_use]
 pub fn shade_surface(frame: &FrameConstants, surface: &Surface, reach: Reach, direction: Vec3) -> Vec3 {
     let row = |row: [f32; 4]| Vec4::from(row).truncate();
@@ -214,16 +221,17 @@ pub fn shade_surface(frame: &FrameConstants, surface: &Surface, reach: Reach, di
     // The fill stands for light from all around, so what hides the sky hides it.
     let open = frame.sky[0] + (1.0 - frame.sky[0]) * reach.open;
     let lit = 1.0 - frame.sky[1] * (1.0 - reach.key);
-    let key_light = frame.key[3] * n.dot(key).max(0.0) * lit;
-    let fill_light = frame.fill[3] * n.dot(row(frame.fill)).max(0.0) * open;
+    let key_light = frame.key[3] * larger(n.dot(key), 0.0) * lit;
+    let fill_light = frame.fill[3] * larger(n.dot(row(frame.fill)), 0.0) * open;
     let facing_up = 0.5 + 0.5 * n.dot(row(frame.up));
     let ambient = (frame.ambient[0] + (frame.up[3] - frame.ambient[0]) * facing_up) * open;
     let half = key + to_eye;
-    let half = half * (1.0 / half.dot(half).max(1e-12).sqrt());
+    let half = half * (1.0 / larger(half.dot(half), 1e-12).sqrt());
     // A surface turned from the light has no highlight. The power is made of squares: exact on every device, and fast.
-    let mut gloss = if n.dot(key) > 0.0 { n.dot(half).max(0.0) } else { 0.0 };
-    for _ in 0..frame.ambient[2] as u32 {
-        gloss *= gloss;
+    let mut gloss = if n.dot(key) > 0.0 { larger(n.dot(half), 0.0) } else { 0.0 };
+    // Eight steps at most, without a branch: shading is done for many samples at once.
+    for step in 0..8u8 {
+        gloss = if f32::from(step) < frame.ambient[2] { gloss * gloss } else { gloss };
     }
     let highlight = frame.ambient[1] * gloss * lit;
     // Towards its silhouette a surface darkens, so that white atoms stay round on a white page.
@@ -235,15 +243,29 @@ pub fn shade_surface(frame: &FrameConstants, surface: &Surface, reach: Reach, di
     color + (row(frame.background) - color) * fog
 }
 
+/// How much of the ground there is at a world point, 0–1.
+#[inline(always)]
+#[must_use]
+pub fn ground_fade(frame: &FrameConstants, x_in_world: f32, z_in_world: f32) -> f32 {
+    let dx = x_in_world - frame.ground_center[0];
+    let dz = z_in_world - frame.ground_center[1];
+    let far = (((dx * dx + dz * dz).sqrt() - frame.ground[1]) * frame.ground[2]).clamp(0.0, 1.0);
+    1.0 - far * far * (3.0 - 2.0 * far)
+}
+
+/// The part of its colour that the ground shows where these parts of the key light (`visible`) and of the sky (`open`) reach it.
+#[inline(always)]
+#[must_use]
+pub fn ground_light(frame: &FrameConstants, visible: f32, open: f32) -> f32 {
+    (1.0 - frame.ground_center[2] * (1.0 - visible)) * (1.0 - frame.ground_center[3] * (1.0 - open))
+}
+
 /// Premultiplied linear colour and alpha of the ground at a world point, given how much of the key light (`visible`) and
 /// of the sky (`open`) reach it.
 #[must_use]
 pub fn shade_ground(frame: &FrameConstants, point_in_world: Vec3, visible: f32, open: f32) -> Vec4 {
-    let dx = point_in_world.x - frame.ground_center[0];
-    let dz = point_in_world.z - frame.ground_center[1];
-    let far = (((dx * dx + dz * dz).sqrt() - frame.ground[1]) * frame.ground[2]).clamp(0.0, 1.0);
-    let fade = 1.0 - far * far * (3.0 - 2.0 * far);
-    let light = (1.0 - frame.ground_center[2] * (1.0 - visible)) * (1.0 - frame.ground_center[3] * (1.0 - open));
+    let fade = ground_fade(frame, point_in_world.x, point_in_world.z);
+    let light = ground_light(frame, visible, open);
     let background = Vec4::from(frame.background).truncate();
     let ground = Vec4::from(frame.ground_color).truncate();
     if frame.ambient[3] > 0.5 {

@@ -5,6 +5,10 @@
 //! Its key light is the mean visibility over directions in a narrow cone about the light. Neither has a reach:
 //! whatever stands in the way counts, however far away it is. How visibility is found is up to the renderer: the
 //! reference casts rays, the product draws depth maps from each direction ([`super::cpu::maps`]).
+//!
+//! The samples of a pixel share the directions out among themselves ([`Turns`]): with 16 samples and 64 directions each
+//! sample asks four, well apart from one another, and the pixel has asked all of them. That costs a sixteenth of asking all
+//! at every sample, and unlike asking once a pixel it is smooth wherever a pixel shows more than one thing.
 
 use glam::Vec3;
 
@@ -54,6 +58,72 @@ pub fn key_directions(key: Vec3) -> Vec<Vec3> {
             (key + right * (radius * cos) + up * (radius * sin)).normalize_or(key)
         })
         .collect()
+}
+
+/// Directions in the order in which the samples of a pixel ask them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Turns {
+    /// Sample `s` asks `each` of them, from `s % turns · each` on. A few stand there twice if the numbers do not divide.
+    pub directions: Vec<Vec3>,
+    /// How many a sample asks; 0 if there are none.
+    pub each: u32,
+}
+
+impl Turns {
+    /// The sky's `count` directions for so many samples a pixel. A sample asks four at least: fewer could all lie behind
+    /// the surface.
+    #[must_use]
+    pub fn of_sky(count: u32, samples: u32) -> Turns {
+        let all = directions(count);
+        let each = count.div_ceil(samples.max(1)).max(4).min(count);
+        if each == 0 {
+            return Turns::default();
+        }
+        // One of each stratum of the lattice, which runs from top to bottom: how far apart they are around the axis
+        // depends on the shift from stratum to stratum. The best shift gives every surface much the same weight.
+        let turns = count.div_ceil(each);
+        let normals = directions(48);
+        let weights: Vec<Vec<f32>> =
+            normals.iter().map(|n| all.iter().map(|d| d.dot(*n).max(0.0)).collect()).collect();
+        let unevenness = |shift: u32| -> f32 {
+            let sum = |of: &Vec<f32>, turn| (0..each).map(|j| of[member(count, each, turn, shift, j)]).sum::<f32>();
+            weights.iter().map(|of| (0..turns).map(|turn| sum(of, turn).powi(2)).sum::<f32>()).sum()
+        };
+        let shift = (0..turns).map(|shift| (unevenness(shift), shift)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let shift = shift.map_or(0, |(_, shift)| shift);
+        let order = (0..turns).flat_map(|turn| (0..each).map(move |j| member(count, each, turn, shift, j)));
+        Turns { directions: order.map(|i| all[i]).collect(), each }
+    }
+
+    /// The key light's directions for so many samples a pixel.
+    #[must_use]
+    pub fn of_key(key: Vec3, samples: u32) -> Turns {
+        let all = key_directions(key);
+        let each = SHADOW_DIRECTIONS.div_ceil(samples.max(1));
+        let turns = SHADOW_DIRECTIONS.div_ceil(each);
+        let order = (0..turns).flat_map(|turn| (0..each).map(move |j| (turn + j * turns) % SHADOW_DIRECTIONS));
+        Turns { directions: order.map(|i| all[i as usize]).collect(), each }
+    }
+
+    /// Where the directions of a sample start in the list.
+    #[must_use]
+    pub fn start(&self, sample: u32) -> u32 {
+        let turns = (self.directions.len() as u32).checked_div(self.each).unwrap_or(0);
+        sample.checked_rem(turns).unwrap_or(0) * self.each
+    }
+
+    /// The directions of a sample.
+    #[must_use]
+    pub fn of_sample(&self, sample: u32) -> &[Vec3] {
+        let start = self.start(sample) as usize;
+        &self.directions[start..start + self.each as usize]
+    }
+}
+
+/// The direction that is asked in stratum `j` of `each` in this turn.
+fn member(count: u32, each: u32, turn: u32, shift: u32, j: u32) -> usize {
+    let (start, end) = (j * count / each, (j + 1) * count / each);
+    (start + (turn + shift * j) % (end - start).max(1)) as usize
 }
 
 /// Two unit vectors that make a right-handed frame with a unit direction (Duff et al., JCGT 2017, 6, 1).
@@ -109,6 +179,37 @@ mod tests {
             let widest = cone.iter().map(|d| d.angle_between(key)).fold(0.0, f32::max);
             assert!(widest > 0.9 * SHADOW_CONE_RAD && widest <= SHADOW_CONE_RAD + 1e-4, "{widest}");
             assert!((cone.iter().sum::<Vec3>().normalize() - key).length() < 0.01);
+        }
+    }
+
+    #[test]
+    fn samples_share_out_all_directions_and_each_has_some_before_every_surface() {
+        for (count, samples) in [(64, 16), (256, 64), (64, 4), (64, 1), (100, 16), (3, 16), (64, 1000), (1, 1)] {
+            let turns = Turns::of_sky(count, samples);
+            let asked: Vec<Vec3> = (0..samples).flat_map(|s| turns.of_sample(s).to_vec()).collect();
+            for d in directions(count) {
+                assert!(asked.contains(&d) || samples * turns.each < count, "{count} {samples}");
+            }
+            assert!(asked.len() as u32 == samples * turns.each && turns.each <= count);
+        }
+        // A sample of 16 that shares 64 out is never blind, and sees within a factor of two of what it should.
+        let turns = Turns::of_sky(64, 16);
+        assert_eq!(turns.each, 4);
+        for n in directions(500) {
+            for sample in 0..16 {
+                let sum: f32 = turns.of_sample(sample).iter().map(|d| d.dot(n).max(0.0)).sum();
+                assert!(sum > 0.15 && sum < 2.0, "{sample} along {n}: {sum}");
+            }
+        }
+        assert!(Turns::of_sky(0, 16).of_sample(3).is_empty());
+    }
+
+    #[test]
+    fn the_keys_directions_are_all_asked() {
+        for samples in [1, 4, 16, 64] {
+            let turns = Turns::of_key(Vec3::Y, samples);
+            let asked: Vec<Vec3> = (0..samples).flat_map(|s| turns.of_sample(s).to_vec()).collect();
+            assert!(key_directions(Vec3::Y).iter().all(|d| asked.contains(d)), "{samples}");
         }
     }
 

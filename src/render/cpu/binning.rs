@@ -1,4 +1,4 @@
-//! Which primitives may be seen in which tile: exact pixel bounds, front to back.
+//! Which primitives may be seen in which tile: exact bounds, and in each tile front to back.
 
 use crate::render::bounds::{BoundsCamera, PlaneRect, cylinder_rect, sphere_rect};
 use crate::render::settings::View;
@@ -6,9 +6,6 @@ use crate::render::solids::Solids;
 use crate::scene::Region;
 use glam::Vec2;
 use rayon::prelude::*;
-
-/// Pixels on a side of a tile: its depth, ids and sums stay in the first-level cache.
-pub(super) const TILE: u32 = 32;
 
 /// A primitive that reaches into the picture.
 #[derive(Debug, Clone, Copy)]
@@ -19,36 +16,60 @@ pub(super) struct Candidate {
     pub(super) nearest: f32,
     /// Pixels of the region that it may cover: left, top, right, bottom, the last two exclusive.
     pub(super) pixels: [u16; 4],
+    /// The turned rectangle that it covers, in pixels of the full picture, y down.
+    rect: PlaneRect,
 }
 
-/// For each tile, row by row, its candidates from front to back.
+impl Candidate {
+    /// The columns of the full picture, in pixels, that its rectangle has in the rows `top..bottom`: a superset, `left > right`
+    /// where there are none.
+    #[inline(always)]
+    pub(super) fn span(&self, top: f32, bottom: f32) -> [f32; 2] {
+        let PlaneRect { center, half, along } = self.rect;
+        let (low, high) = (top - center.y, bottom - center.y);
+        let mut span = [f32::NEG_INFINITY, f32::INFINITY];
+        // |along · p| ≤ half.x and |across · p| ≤ half.y, each an interval of x for these y.
+        for (x, y, half) in [(along.x, along.y, half.x), (-along.y, along.x, half.y)] {
+            let (a, b) = (y * low, y * high);
+            let (least, most) = if a < b { (a, b) } else { (b, a) };
+            if x.abs() > 1e-4 {
+                let (p, q) = ((-half - most) / x, (half - least) / x);
+                let (from, to) = if p < q { (p, q) } else { (q, p) };
+                span = [if from > span[0] { from } else { span[0] }, if to < span[1] { to } else { span[1] }];
+            }
+        }
+        // A hundredth of a pixel covers the rounding of the way here.
+        [span[0] + center.x - 0.01, span[1] + center.x + 0.01]
+    }
+}
+
+/// For each tile, row by row, its candidates.
 pub(super) struct Bins {
+    /// Pixels on a side of a tile.
+    pub(super) tile: u32,
     /// Tiles in x and y.
     pub(super) tiles: [u32; 2],
-    /// All that reach into the picture, front to back.
-    pub(super) candidates: Vec<Candidate>,
+    /// All that reach into the picture.
+    candidates: Vec<Candidate>,
     first: Vec<u32>,
     list: Vec<u32>,
 }
 
 impl Bins {
-    /// Finds the candidates of a view. Regions are at most 65,535 pixels on a side.
-    pub(super) fn new(solids: &Solids, view: &View) -> Bins {
+    /// Finds the candidates of a view for tiles of so many pixels. Regions are at most 65,535 pixels on a side.
+    pub(super) fn new(solids: &Solids, view: &View, tile: u32) -> Bins {
         let region = view.region();
-        let tiles = [region.width.div_ceil(TILE), region.height.div_ceil(TILE)];
+        let tiles = [region.width.div_ceil(tile), region.height.div_ceil(tile)];
         let grid = view.pixel_grid();
         let camera = BoundsCamera { orthographic: grid.orthographic, near: view.camera.near };
         let sphere_count = solids.spheres.len();
         let to_pixels = |rect: PlaneRect| {
-            let (low, high) = rect.upright();
-            let px = |plane: f32| plane / grid.plane_per_px;
-            let center = Vec2::from(grid.center_px);
-            // The picture's y runs down. A sample is somewhere in its pixel, hence floor and ceil.
-            let (left, right) = (center.x + px(low.x), center.x + px(high.x));
-            let (top, bottom) = (center.y - px(high.y), center.y - px(low.y));
-            clip([left, top, right, bottom], region)
+            let px = 1.0 / grid.plane_per_px;
+            // The picture's y runs down.
+            let center = Vec2::from(grid.center_px) + Vec2::new(rect.center.x, -rect.center.y) * px;
+            PlaneRect { center, half: rect.half * px, along: Vec2::new(rect.along.x, -rect.along.y) }
         };
-        let mut candidates: Vec<Candidate> = (0..solids.len())
+        let candidates: Vec<Candidate> = (0..solids.len())
             .into_par_iter()
             .with_min_len(4096)
             .filter_map(|i| {
@@ -66,16 +87,19 @@ impl Bins {
                 };
                 // Rounding of a depth of this size.
                 let nearest = nearest - 1e-5 * nearest.abs();
-                Some(Candidate { index: u32::try_from(i).ok()?, nearest, pixels: to_pixels(rect)? })
+                let rect = to_pixels(rect);
+                let (low, high) = rect.upright();
+                // A sample is somewhere in its pixel, hence floor and ceil.
+                let pixels = clip([low.x, low.y, high.x, high.y], region)?;
+                Some(Candidate { index: u32::try_from(i).ok()?, nearest, pixels, rect })
             })
             .collect();
-        candidates.par_sort_unstable_by(|a, b| a.nearest.total_cmp(&b.nearest).then(a.index.cmp(&b.index)));
-        let mut bins = Bins { tiles, candidates, first: Vec::new(), list: Vec::new() };
+        let mut bins = Bins { tile, tiles, candidates, first: Vec::new(), list: Vec::new() };
         bins.fill();
         bins
     }
 
-    /// A counting sort into tiles; the order of the candidates stays.
+    /// A counting sort into tiles.
     fn fill(&mut self) {
         let mut first = vec![0u32; (self.tiles[0] * self.tiles[1]) as usize + 1];
         for candidate in &self.candidates {
@@ -95,19 +119,27 @@ impl Bins {
         (self.first, self.list) = (first, list);
     }
 
+    /// The tiles that a candidate's rectangle meets.
     fn tiles_of(&self, candidate: &Candidate, mut tile: impl FnMut(usize)) {
         let [left, top, right, bottom] = candidate.pixels.map(u32::from);
-        for y in top / TILE..=(bottom - 1) / TILE {
-            for x in left / TILE..=(right - 1) / TILE {
+        for y in top / self.tile..=(bottom - 1) / self.tile {
+            for x in left / self.tile..=(right - 1) / self.tile {
                 tile((y * self.tiles[0] + x) as usize);
             }
         }
     }
 
-    /// The candidates of a tile, front to back.
-    pub(super) fn of_tile(&self, tile: usize) -> impl Iterator<Item = &Candidate> {
+    /// Whether nothing reaches into a tile.
+    pub(super) fn is_empty(&self, tile: usize) -> bool {
+        self.first[tile] == self.first[tile + 1]
+    }
+
+    /// The candidates of a tile, front to back, of equals the first primitive first.
+    pub(super) fn of_tile(&self, tile: usize, sorted: &mut Vec<Candidate>) {
         let range = self.first[tile] as usize..self.first[tile + 1] as usize;
-        self.list[range].iter().map(|&i| &self.candidates[i as usize])
+        sorted.clear();
+        sorted.extend(self.list[range].iter().map(|&i| self.candidates[i as usize]));
+        sorted.sort_unstable_by(|a, b| a.nearest.total_cmp(&b.nearest).then(a.index.cmp(&b.index)));
     }
 }
 

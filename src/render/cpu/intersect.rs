@@ -144,66 +144,68 @@ fn body_interval(side: (f32, f32), slab: (f32, f32)) -> (f32, f32) {
 #[inline(always)]
 #[must_use]
 pub fn cylinder_t(ray: &Ray, cylinder: &Cylinder, near: f32) -> f32 {
-    let (q, e, t0) = cylinder_ray(ray, cylinder);
     if cylinder.caps == FLAT_CAPS {
-        let side = side_interval(q, e, cylinder.radius);
-        let (entry, exit) = body_interval(side, slab_interval(q, e, cylinder.half_length));
-        visible_t(t0 + entry, t0 + exit, near)
-    } else {
-        capped_t(q, e, cylinder, t0, near)
+        return flat_cylinder_t(ray, cylinder, near);
     }
+    let (q, e, t0) = cylinder_ray(ray, cylinder);
+    capped_t(q, e, cylinder, t0, near)
 }
 
-/// Both caps flat, as in all styles with balls.
-const FLAT_CAPS: u32 = 1 | 1 << 2;
+/// [`cylinder_t`] where both caps are known to be flat.
+#[inline(always)]
+#[must_use]
+pub fn flat_cylinder_t(ray: &Ray, cylinder: &Cylinder, near: f32) -> f32 {
+    let (q, e, t0) = cylinder_ray(ray, cylinder);
+    let side = side_interval(q, e, cylinder.radius);
+    let (entry, exit) = body_interval(side, slab_interval(q, e, cylinder.half_length));
+    visible_t(t0 + entry, t0 + exit, near)
+}
+
+/// [`Cylinder::caps`] of two flat ends, as in all styles with balls.
+pub const FLAT_CAPS: u32 = 1 | 1 << 2;
 
 /// Entry and exit of a cylinder with its half balls, and those of its slab: where they are equal the ray passes a cap's plane.
+#[inline(always)]
 fn capped_interval(q: Vec3, e: Vec3, cylinder: &Cylinder) -> ((f32, f32), (f32, f32)) {
     let h = cylinder.half_length;
     let slab = slab_interval(q, e, h);
     let (mut entry, mut exit) = body_interval(side_interval(q, e, cylinder.radius), slab);
     for end in 0..2 {
-        if !has_cap(cylinder.caps, end, 2) {
-            continue;
-        }
+        let is_round = has_cap(cylinder.caps, end, 2);
         let sign = if end == 0 { -1.0 } else { 1.0 };
         let (mut ball_in, mut ball_out) = end_interval(q, e, sign * h, cylinder.radius);
-        if !has_cap(cylinder.caps, 1 - end, 2) {
-            // A ball wider than the stick is long must not come out of the other end.
-            if e.y.abs() <= 1e-20 {
-                ball_in = select(sign * q.y >= -h, ball_in, f32::INFINITY);
-            } else if sign * e.y > 0.0 {
-                ball_in = max(ball_in, slab.0);
-            } else {
-                ball_out = min(ball_out, slab.1);
-            }
-        }
-        if ball_in <= ball_out {
-            entry = min(entry, ball_in);
-            exit = max(exit, ball_out);
-        }
+        // A ball wider than the stick is long must not come out of the other end.
+        let cut = !has_cap(cylinder.caps, 1 - end, 2);
+        let across = e.y.abs() <= 1e-20;
+        let inward = sign * e.y > 0.0;
+        let beside = select(sign * q.y >= -h, ball_in, f32::INFINITY);
+        ball_in = select(cut && across, beside, select(cut && inward, max(ball_in, slab.0), ball_in));
+        ball_out = select(cut && !across && !inward, min(ball_out, slab.1), ball_out);
+        let hit = is_round && ball_in <= ball_out;
+        entry = select(hit, min(entry, ball_in), entry);
+        exit = select(hit, max(exit, ball_out), exit);
     }
     ((entry, exit), slab)
 }
 
 /// Whether the ray enters, and whether it leaves, through an open end.
+#[inline(always)]
 fn through_open_ends(e: Vec3, caps: u32, solid: (f32, f32), slab: (f32, f32)) -> (bool, bool) {
     let first = u32::from(e.y <= 0.0);
     (solid.0 == slab.0 && has_cap(caps, first, 0), solid.1 == slab.1 && has_cap(caps, 1 - first, 0))
 }
 
-/// The general case: every end open, flat or round. Kept out of the pixel loops, which mostly draw flat ends.
-#[inline(never)]
+/// The general case: every end open, flat or round.
+#[inline(always)]
 fn capped_t(q: Vec3, e: Vec3, cylinder: &Cylinder, t0: f32, near: f32) -> f32 {
     let (solid, slab) = capped_interval(q, e, cylinder);
     let (entry, exit) = (t0 + solid.0, t0 + solid.1);
-    if !has_cap(cylinder.caps, 0, 0) && !has_cap(cylinder.caps, 1, 0) {
-        return visible_t(entry, exit, near);
-    }
+    let closed = !has_cap(cylinder.caps, 0, 0) && !has_cap(cylinder.caps, 1, 0);
     // An open end makes a surface, not a solid: the first of the crossings that is not through an open end.
     let (open_in, open_out) = through_open_ends(e, cylinder.caps, solid, slab);
     let far = select(solid.0 <= solid.1 && !open_out && exit >= near, exit, f32::INFINITY);
-    select(solid.0 <= solid.1 && !open_in && entry >= near, entry, far)
+    let through = select(solid.0 <= solid.1 && !open_in && entry >= near, entry, far);
+    select(closed, visible_t(entry, exit, near), through)
 }
 
 /// Unit normal of a cylinder at the hit that [`cylinder_t`] gave. On the side it is perpendicular to the axis; where

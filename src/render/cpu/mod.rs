@@ -1,16 +1,20 @@
 //! The CPU renderer: the reference, and the product on machines without a GPU.
 //!
-//! [`mod@reference`] casts one ray after the other over a hierarchy, on one thread. [`tiles`] draws the same picture, bit
-//! for bit, tile by tile on all cores: primitives are sorted front to back and binned to tiles by their exact bounds,
-//! and each tile keeps a small depth buffer a sample.
+//! [`mod@reference`] casts one ray after the other over a hierarchy, on one thread. [`tiles`] draws the same picture
+//! tile by tile on all cores with vector instructions: primitives are binned to tiles by their exact bounds, and each tile
+//! keeps a small depth buffer.
 
+mod backdrop;
 mod binning;
 pub mod intersect;
+mod lanes;
 mod maps;
 mod reach;
 pub mod reference;
+mod shade;
 mod shader;
 mod simd;
+mod tile;
 pub mod tiles;
 
 use super::field::{Field, GroundMap};

@@ -8,7 +8,7 @@ use crate::render::frame::{FrameConstants, resolve};
 use crate::render::hierarchy::Hierarchy;
 use crate::render::image::{GBuffer, Image};
 use crate::render::settings::{Settings, View, sample_offset};
-use crate::render::sky::{self, Reach, START_OFFSET};
+use crate::render::sky::{self, Reach, START_OFFSET, Turns};
 use crate::render::solids::Solids;
 use crate::scene::{PixelGrid, Ray, Scene};
 use glam::{Vec3, Vec4};
@@ -77,11 +77,11 @@ impl Reference {
     }
 }
 
-/// What reaches surface points: rays in all directions.
+/// What reaches surface points: rays in the directions that a sample asks.
 struct Reaches {
     /// In view space.
-    sky: Vec<Vec3>,
-    key: Vec<Vec3>,
+    sky: Turns,
+    key: Turns,
     unasked: Reach,
     near: f32,
 }
@@ -89,20 +89,22 @@ struct Reaches {
 impl Reaches {
     fn new(frame: &FrameConstants, view: &View, settings: &Settings) -> Reaches {
         let view_from_world = view.camera.view_from_world();
-        let turned = |all: Vec<Vec3>| all.into_iter().map(|d| view_from_world.transform_vector3(d)).collect();
-        let key = if settings.shadow { sky::key_directions(frame.key_in_world()) } else { Vec::new() };
-        let count = settings.ao.min(Settings::MOST_DIRECTIONS);
-        let (sky, key) = (turned(sky::directions(count)), turned(key));
-        Reaches { sky, key, unasked: frame.unasked(), near: view.camera.near }
+        let turned = |mut turns: Turns| {
+            turns.directions.iter_mut().for_each(|d| *d = view_from_world.transform_vector3(*d));
+            turns
+        };
+        let key = if settings.shadow { Turns::of_key(frame.key_in_world(), settings.samples) } else { Turns::default() };
+        let sky = Turns::of_sky(settings.ao.min(Settings::MOST_DIRECTIONS), settings.samples);
+        Reaches { sky: turned(sky), key: turned(key), unasked: frame.unasked(), near: view.camera.near }
     }
 
-    fn of(&self, reference: &Reference, ray: &Ray, t: f32, normal: Vec3) -> Reach {
+    fn of(&self, reference: &Reference, ray: &Ray, t: f32, normal: Vec3, sample: u32) -> Reach {
         if t <= self.near {
             return self.unasked;
         }
         let origin = ray.origin + ray.direction * t + normal * START_OFFSET;
         let free = |direction| reference.is_free(&Ray { origin, direction });
-        sky::reach(normal, &self.sky, &self.key, self.unasked, free)
+        sky::reach(normal, self.sky.of_sample(sample), self.key.of_sample(sample), self.unasked, free)
     }
 }
 
@@ -128,13 +130,10 @@ pub fn image(scene: &Scene, view: &View, settings: &Settings) -> Image {
     let mut rgba = Vec::with_capacity(region.width as usize * region.height as usize * 4);
     let samples = settings.samples.clamp(1, 4096);
     let reaches = Reaches::new(&frame, view, settings);
-    // What reaches a primitive is asked once a pixel, at the first sample that sees it.
-    let mut known: Vec<(u32, Reach)> = Vec::new();
     for_each_pixel(view, |x, y| {
         let backdrop = shader.backdrop(&grid.ray(grid.plane(x + 0.5, y + 0.5)));
         let mut sum = Vec4::ZERO;
         let mut unseen = 0u32;
-        known.clear();
         for sample in 0..samples {
             let [dx, dy] = sample_offset(sample, samples);
             let ray = grid.ray(grid.plane(x + dx, y + dy));
@@ -142,14 +141,8 @@ pub fn image(scene: &Scene, view: &View, settings: &Settings) -> Image {
                 unseen += 1;
                 continue;
             };
-            let reach = match known.iter().find(|(primitive, _)| *primitive == index) {
-                Some(&(_, reach)) => reach,
-                None => {
-                    let reach = reaches.of(&reference, &ray, t, shader.surface(&ray, index, t).normal);
-                    known.push((index, reach));
-                    reach
-                }
-            };
+            let normal = shader.surface(&ray, index, t).normal;
+            let reach = reaches.of(&reference, &ray, t, normal, sample);
             sum += shader.primitive(&ray, index, t, reach);
         }
         let pixel = resolve(sum + backdrop * unseen as f32, samples);

@@ -1,6 +1,7 @@
 //! From a hit to a colour: what the reference and the tiles share, so that they cannot differ.
 
 use super::intersect::{cylinder_half, cylinder_normal, sphere_normal};
+use super::lanes::{LANES, Lanes};
 use crate::render::field::GroundMap;
 use crate::render::frame::{FrameConstants, Surface, ground_t, shade_background, shade_ground, shade_surface};
 use crate::render::image::GBuffer;
@@ -58,14 +59,25 @@ impl<'a> Shader<'a> {
         Vec4::from((shade_surface(self.frame, &surface, reach, ray.direction), 1.0))
     }
 
-    /// Place and unit normal of a hit in world space; `None` where the near plane cuts a solid: what is shown there is no
-    /// surface that light could reach.
-    pub(super) fn point_in_world(&self, ray: &Ray, index: u32, t: f32) -> Option<(Vec3, Vec3)> {
-        if t <= self.frame.depth[2] {
-            return None;
+    /// Depths at which the rays of plane coordinates meet the ground, infinity where they do not.
+    #[inline(always)]
+    pub(super) fn ground_beyond(&self, parallel: bool, u: &Lanes, v: &Lanes) -> Lanes {
+        let mut depth = [f32::INFINITY; LANES];
+        if !self.frame.has_ground() {
+            return depth;
         }
-        let normal = self.world_from_view.transform_vector3(self.surface(ray, index, t).normal);
-        Some((self.world_from_view.transform_point3(ray.origin + ray.direction * t), normal))
+        let [height, near] = [self.frame.ground[0], self.frame.depth[2]];
+        // World y of the view's axes and of the eye.
+        let m = &self.frame.world_from_view;
+        let [right, up, back, eye] = [m[0][1], m[1][1], m[2][1], m[3][1]];
+        for lane in 0..LANES {
+            let aside = right * u[lane] + up * v[lane];
+            let (origin, fall) = if parallel { (eye + aside, -back) } else { (eye, aside - back) };
+            let t = (height - origin) / fall;
+            let meets = (fall <= -1e-6) & (origin > height) & (t >= near);
+            depth[lane] = if meets { t } else { f32::INFINITY };
+        }
+        depth
     }
 
     /// Premultiplied linear colour and alpha behind the primitives, ground or background. It is smooth, so it is found

@@ -1,9 +1,11 @@
 //! The widest vector instructions the machine has, chosen at run time; the program's only unsafe code.
 //!
-//! The pixel loops are plain Rust that the compiler turns into vector code. Compiled for x86-64's baseline they
-//! get 4 lanes and no blends; with AVX2 the same loops get 8 (the gain is in the benches, `cpu_frame`). Only the width
-//! changes: fused multiply-add stays off, so every level gives the same bits.
-#![expect(unsafe_code, reason = "calling code compiled for instructions that were just found to be there")]
+//! The loops over lanes are plain Rust that the compiler turns into vector code. Compiled for x86-64's baseline they
+//! get 4 lanes and no blends; with AVX2 the same loops get 8, with AVX-512 all 16 (the gain is in the benches,
+//! `cpu_frame`). Only the width changes: fused multiply-add stays off, so every level gives the same bits.
+#![expect(unsafe_code, reason = "instructions that were just found to be there, and loads whose bounds were just checked")]
+
+use super::lanes::LANES;
 
 /// Something to run. `run` must be `#[inline(always)]`, and so must what it calls: what is not inlined stays at the baseline
 /// (a closure would be inlined only as the compiler sees fit).
@@ -16,15 +18,46 @@ pub(super) trait Work {
 #[inline]
 pub(super) fn widest(work: impl Work) {
     #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        // SAFETY: the machine has AVX2.
-        return unsafe { avx2(work) };
+    {
+        let has_avx512 = std::arch::is_x86_feature_detected!("avx512f")
+            && std::arch::is_x86_feature_detected!("avx512dq")
+            && std::arch::is_x86_feature_detected!("avx512vl")
+            && std::arch::is_x86_feature_detected!("avx512bw");
+        if has_avx512 && !*NO_AVX512 {
+            // SAFETY: the machine has all four parts of AVX-512.
+            return unsafe { avx512(work) };
+        }
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the machine has AVX2.
+            return unsafe { avx2(work) };
+        }
     }
     work.run();
 }
 
+/// The numbers at each index (low half) and right after it (high half); zeros if one of them is not in the list. Asking the depth
+/// maps is little but loads: checking them one by one takes three times as long.
+#[inline(always)]
+pub(super) fn pairs(list: &[u16], index: &[u32; LANES]) -> [u32; LANES] {
+    let most = index.iter().fold(0, |most, &i| if i > most { i } else { most });
+    if most as usize + 1 >= list.len() {
+        return [0; LANES];
+    }
+    // SAFETY: every index and the one after it are below the length, as was just checked.
+    std::array::from_fn(|lane| unsafe { list.as_ptr().add(index[lane] as usize).cast::<u32>().read_unaligned() })
+}
+
+#[cfg(target_arch = "x86_64")]
+static NO_AVX512: std::sync::LazyLock<bool> = std::sync::LazyLock::new(|| std::env::var_os("NO_AVX512").is_some());
+
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn avx2(work: impl Work) {
+    work.run();
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw")]
+fn avx512(work: impl Work) {
     work.run();
 }

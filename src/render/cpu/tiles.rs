@@ -1,159 +1,24 @@
-//! The reference's picture, bit for bit, tile by tile on all cores.
+//! The reference's picture, tile by tile on all cores: visibility with the same bits, colours within 1/255.
 //!
-//! For each sample of a tile the candidates are drawn front to back into a small depth buffer, eight pixels at a time
-//! (plain loops over the branch-free `*_t` functions, which compile to vector code), then what is seen is shaded by
-//! the same [`Shader`] as in the reference. Ties in depth go to the first primitive, as there.
+//! For each pass over a tile's samples the candidates are drawn front to back into a small depth buffer
+//! ([`super::tile`]), then what is seen is lit sixteen samples at a time ([`super::shade`]).
 
-use super::binning::{Bins, Candidate, TILE};
-use super::intersect::{cylinder_t, sphere_t};
-use super::reach::{Lights, Reaches};
+use super::backdrop::Row;
+use super::binning::{Bins, Candidate};
+use super::lanes::Pass;
+use super::reach::{Lights, Questions};
+use super::shade;
 use super::shader::Shader;
 use super::simd::{Work, widest};
+use super::tile::{Place, SIDE, Tile};
 use crate::color::Srgb8;
 use crate::render::field::GroundMap;
-use crate::render::frame::{FrameConstants, resolve};
-use crate::render::settings::sample_offset;
-use crate::render::solids::{Cylinder, Solids, Sphere};
+use crate::render::frame::{FrameConstants, resolve, shade_background};
+use crate::render::solids::Solids;
 use crate::render::{GBuffer, Image, Settings, View};
-use crate::scene::{PixelGrid, Ray, Region, Scene};
-use glam::{Vec3, Vec4};
+use crate::scene::{PixelGrid, Region, Scene};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-const PIXELS: usize = (TILE * TILE) as usize;
-const LANES: usize = 8;
-const BLOCKS: usize = TILE as usize / LANES;
-
-/// The depth of a primitive at plane coordinates. (A trait, not a closure: it must be inlined wherever it is used.)
-trait DepthAt {
-    fn t(&self, u: f32, v: f32) -> f32;
-}
-
-/// A primitive seen with parallel rays (`PARALLEL`) or in perspective.
-struct Drawn<S, const PARALLEL: bool> {
-    solid: S,
-    near: f32,
-}
-
-#[inline(always)]
-fn ray<const PARALLEL: bool>(u: f32, v: f32) -> Ray {
-    if PARALLEL {
-        Ray { origin: Vec3::new(u, v, 0.0), direction: Vec3::new(0.0, 0.0, -1.0) }
-    } else {
-        Ray { origin: Vec3::ZERO, direction: Vec3::new(u, v, -1.0) }
-    }
-}
-
-impl<const PARALLEL: bool> DepthAt for Drawn<Sphere, PARALLEL> {
-    #[inline(always)]
-    fn t(&self, u: f32, v: f32) -> f32 {
-        sphere_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
-    }
-}
-
-impl<const PARALLEL: bool> DepthAt for Drawn<Cylinder, PARALLEL> {
-    #[inline(always)]
-    fn t(&self, u: f32, v: f32) -> f32 {
-        cylinder_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
-    }
-}
-
-/// One sample of every pixel of a tile: depth and primitive of what is nearest.
-struct TileDepth {
-    t: [[f32; TILE as usize]; TILE as usize],
-    index: [[u32; TILE as usize]; TILE as usize],
-    /// The farthest depth of each block of [`LANES`] × [`LANES`] pixels, as of the last update.
-    farthest: [[f32; BLOCKS]; BLOCKS],
-    /// Plane coordinates of the sample in each column and row.
-    u: [f32; TILE as usize],
-    v: [f32; TILE as usize],
-}
-
-impl TileDepth {
-    fn new() -> TileDepth {
-        TileDepth {
-            t: [[f32::INFINITY; TILE as usize]; TILE as usize],
-            index: [[0; TILE as usize]; TILE as usize],
-            farthest: [[f32::INFINITY; BLOCKS]; BLOCKS],
-            u: [0.0; TILE as usize],
-            v: [0.0; TILE as usize],
-        }
-    }
-
-    /// Empties it and places its samples.
-    fn restart(&mut self, grid: &PixelGrid, x_px: u32, y_px: u32, [dx, dy]: [f32; 2]) {
-        self.t.iter_mut().for_each(|row| row.fill(f32::INFINITY));
-        self.farthest = [[f32::INFINITY; BLOCKS]; BLOCKS];
-        for i in 0..TILE {
-            let (u, v) = grid.plane((x_px + i) as f32 + dx, (y_px + i) as f32 + dy);
-            self.u[i as usize] = u;
-            self.v[i as usize] = v;
-        }
-    }
-
-    /// Finds the farthest depth of each block anew; infinity where a pixel is empty.
-    #[inline(always)]
-    fn update_farthest(&mut self) {
-        for (rows, farthest) in self.t.chunks_exact(LANES).zip(&mut self.farthest) {
-            let mut column = [0.0f32; TILE as usize];
-            for row in rows {
-                for (most, &t) in column.iter_mut().zip(row) {
-                    *most = if t > *most { t } else { *most };
-                }
-            }
-            for (block, most) in column.chunks_exact(LANES).zip(farthest) {
-                *most = block.iter().fold(0.0, |most, &t| if t > most { t } else { most });
-            }
-        }
-    }
-
-    /// Draws one primitive into the pixels `columns × rows` (whole groups of [`LANES`] columns are touched), but not into
-    /// blocks that are full of what is nearer than `nearest`.
-    #[inline(always)]
-    fn draw(&mut self, ((index, nearest), columns, rows): ((u32, f32), [usize; 2], [usize; 2]), drawn: impl DepthAt) {
-        for band in rows[0] / LANES..rows[1].div_ceil(LANES) {
-            let rows = rows[0].max(band * LANES)..rows[1].min((band + 1) * LANES);
-            for group in columns[0] / LANES..columns[1].div_ceil(LANES) {
-                if nearest > self.farthest[band][group] {
-                    continue;
-                }
-                let start = group * LANES;
-                for row in rows.clone() {
-                    let v = self.v[row];
-                    // Arrays of a fixed size, one simple loop each: the form that is turned into vector code.
-                    let u: [f32; LANES] = std::array::from_fn(|lane| self.u[start + lane]);
-                    let mut new = [0.0f32; LANES];
-                    for lane in 0..LANES {
-                        new[lane] = drawn.t(u[lane], v);
-                    }
-                    let t = &mut self.t[row][start..start + LANES];
-                    let seen = &mut self.index[row][start..start + LANES];
-                    for lane in 0..LANES {
-                        let tie = (new[lane] == t[lane]) & (new[lane] < f32::INFINITY) & (index < seen[lane]);
-                        let closer = (new[lane] < t[lane]) | tie;
-                        t[lane] = if closer { new[lane] } else { t[lane] };
-                        seen[lane] = if closer { index } else { seen[lane] };
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// [`Picture::see`] as work for [`widest`].
-struct See<'a, 'b> {
-    picture: &'a Picture<'b>,
-    depth: &'a mut TileDepth,
-    tile: usize,
-    offset: [f32; 2],
-}
-
-impl Work for See<'_, '_> {
-    #[inline(always)]
-    fn run(self) {
-        self.picture.see_here(self.depth, self.tile, self.offset);
-    }
-}
 
 /// What all tiles of a picture share.
 struct Picture<'a> {
@@ -164,156 +29,115 @@ struct Picture<'a> {
     near: f32,
 }
 
-impl Picture<'_> {
-    /// Finds what every pixel of a tile sees in one sample.
-    fn see(&self, depth: &mut TileDepth, tile: usize, offset: [f32; 2]) {
-        widest(See { picture: self, depth, tile, offset });
-    }
+/// What a thread needs for a tile, and uses again for the next.
+struct Bench {
+    tile: Box<Tile>,
+    candidates: Vec<Candidate>,
+    /// Planes of [`super::backdrop::Sums`], one after the other, rows of the tile's width.
+    sums: Vec<f32>,
+}
 
-    #[inline(always)]
-    fn see_here(&self, depth: &mut TileDepth, tile: usize, offset: [f32; 2]) {
-        let (x, y) = self.corner(tile);
-        depth.restart(&self.grid, self.region.x + x, self.region.y + y, offset);
-        for (drawn, candidate) in self.bins.of_tile(tile).enumerate() {
-            // Looking for the farthest depths costs about as much as drawing a small primitive.
-            if drawn % 16 == 15 {
-                depth.update_farthest();
-                let farthest = depth.farthest.as_flattened().iter().fold(0.0f32, |most, &t| most.max(t));
-                if candidate.nearest > farthest {
-                    break; // the rest is behind everything
-                }
-            }
-            self.draw(depth, candidate, x, y);
+impl Bench {
+    fn new() -> Bench {
+        Bench { tile: Tile::new(), candidates: Vec::new(), sums: Vec::new() }
+    }
+}
+
+impl<'a> Picture<'a> {
+    fn new(shader: Shader<'a>, view: &View, tile: u32) -> Picture<'a> {
+        Picture {
+            bins: Bins::new(shader.solids, view, tile),
+            shader,
+            grid: view.pixel_grid(),
+            region: view.region(),
+            near: view.camera.near,
         }
     }
 
-    #[inline(always)]
-    fn draw(&self, depth: &mut TileDepth, candidate: &Candidate, x: u32, y: u32) {
-        let [left, top, right, bottom] = candidate.pixels.map(u32::from);
-        let columns = [left.saturating_sub(x) as usize, (right - x).min(TILE) as usize];
-        let rows = [top.saturating_sub(y) as usize, (bottom - y).min(TILE) as usize];
-        let (solids, near) = (self.shader.solids, self.near);
-        let place = ((candidate.index, candidate.nearest), columns, rows);
-        match (candidate.index as usize).checked_sub(solids.spheres.len()) {
-            None => {
-                let solid = solids.spheres[candidate.index as usize];
-                if self.grid.orthographic {
-                    depth.draw(place, Drawn::<_, true> { solid, near });
-                } else {
-                    depth.draw(place, Drawn::<_, false> { solid, near });
-                }
-            }
-            Some(cylinder) => {
-                let solid = solids.cylinders[cylinder];
-                if self.grid.orthographic {
-                    depth.draw(place, Drawn::<_, true> { solid, near });
-                } else {
-                    depth.draw(place, Drawn::<_, false> { solid, near });
-                }
-            }
-        }
-    }
-
-    /// Upper left pixel of a tile in the region.
-    fn corner(&self, tile: usize) -> (u32, u32) {
+    fn place<'p>(&self, tile: usize, pass: &'p Pass) -> Place<'p> {
         let tile = u32::try_from(tile).unwrap_or(u32::MAX);
-        (tile % self.bins.tiles[0] * TILE, tile / self.bins.tiles[0] * TILE)
-    }
-
-    /// Calls `pixel` with the place in the tile, of each pixel of the tile that is in the picture.
-    fn for_each_pixel(&self, tile: usize, mut pixel: impl FnMut(usize, usize)) {
-        let (x, y) = self.corner(tile);
-        for row in 0..TILE.min(self.region.height - y) {
-            for column in 0..TILE.min(self.region.width - x) {
-                pixel(column as usize, row as usize);
-            }
+        let in_region = [tile % self.bins.tiles[0] * self.bins.tile, tile / self.bins.tiles[0] * self.bins.tile];
+        let blocks = |at: u32, end: u32| ((end - at).min(self.bins.tile).div_ceil(pass.side)) as usize;
+        Place {
+            pass,
+            grid: self.grid,
+            corner: [self.region.x + in_region[0], self.region.y + in_region[1]],
+            in_region,
+            blocks: [blocks(in_region[0], self.region.width), blocks(in_region[1], self.region.height)],
+            near: self.near,
         }
     }
+}
 
-    fn center_ray(&self, tile: usize, column: usize, row: usize) -> Ray {
-        let (x, y) = self.corner(tile);
-        let px = (self.region.x + x) as f32 + column as f32 + 0.5;
-        let py = (self.region.y + y) as f32 + row as f32 + 0.5;
-        self.grid.ray(self.grid.plane(px, py))
-    }
+/// The samples of a tile, as work for [`widest`].
+struct Samples<'w, 'a> {
+    picture: &'w Picture<'a>,
+    bench: &'w mut Bench,
+    place: Place<'w>,
+    /// What is asked, for colours; without, only what is seen is found.
+    questions: Option<&'w Questions<'w>>,
+}
 
-    /// Notes what a sample shows that was not seen in its pixel before.
-    fn note(&self, reaches: &mut Reaches, depth: &TileDepth, tile: usize) {
-        let unasked = self.shader.frame.unasked();
-        self.for_each_pixel(tile, |column, row| {
-            let t = depth.t[row][column];
-            let ray = self.grid.ray((depth.u[column], depth.v[row]));
-            if t < f32::INFINITY && self.shader.is_seen(&ray, t) {
-                let (pixel, index) = (row * TILE as usize + column, depth.index[row][column]);
-                reaches.note(pixel, index, unasked, || self.shader.point_in_world(&ray, index, t));
-            }
-        });
-    }
-
-    /// The finished pixels of a tile.
-    fn color_tile(&self, tile: usize, samples: u32, lights: &Lights) -> [Srgb8; PIXELS] {
-        let mut depth = TileDepth::new();
-        let mut sums = [Vec4::ZERO; PIXELS];
-        let mut unseen = [samples; PIXELS];
-        let unasked = self.shader.frame.unasked();
-        if self.bins.of_tile(tile).next().is_some() {
-            let mut reaches = Reaches::new(if lights.is_empty() { 0 } else { PIXELS });
-            for sample in 0..samples {
-                self.see(&mut depth, tile, sample_offset(sample, samples));
-                if !lights.is_empty() {
-                    self.note(&mut reaches, &depth, tile);
-                    reaches.ask(lights);
+impl Work for Samples<'_, '_> {
+    #[inline(always)]
+    fn run(self) {
+        let Samples { picture, bench, place, questions } = self;
+        bench.tile.see(&place, picture.shader.solids, &bench.candidates);
+        let Some(questions) = questions else { return };
+        for row in 0..place.blocks[1] {
+            for column in 0..place.blocks[0] {
+                let lit = shade::light(&picture.shader, questions, &place, &bench.tile, [row, column]);
+                if lit.any {
+                    shade::add(&lit, &place, &mut bench.sums, picture.bins.tile as usize, [row, column]);
                 }
-                self.for_each_pixel(tile, |column, row| {
-                    let t = depth.t[row][column];
-                    if t == f32::INFINITY {
-                        return;
-                    }
-                    let ray = self.grid.ray((depth.u[column], depth.v[row]));
-                    if self.shader.is_seen(&ray, t) {
-                        let (pixel, index) = (row * TILE as usize + column, depth.index[row][column]);
-                        let reach = if lights.is_empty() { unasked } else { reaches.of(pixel, index, unasked) };
-                        sums[pixel] += self.shader.primitive(&ray, index, t, reach);
-                        unseen[pixel] -= 1;
-                    }
-                });
             }
         }
-        let mut pixels = [Srgb8::BLACK; PIXELS];
-        // Neighbours in the backdrop are mostly equal.
-        let mut last = (Vec4::NAN, Srgb8::BLACK);
-        self.for_each_pixel(tile, |column, row| {
-            let pixel = row * TILE as usize + column;
-            let mut sum = sums[pixel];
-            if unseen[pixel] > 0 {
-                sum += self.shader.backdrop(&self.center_ray(tile, column, row)) * unseen[pixel] as f32;
+    }
+}
+
+impl Picture<'_> {
+    /// Writes the finished pixels of a tile to its rows in a band of the picture.
+    fn color_tile(&self, bench: &mut Bench, tile: usize, passes: &[(Pass, Questions<'_>)], samples: u32) -> Vec<Srgb8> {
+        let side = self.bins.tile as usize;
+        bench.sums.clear();
+        bench.sums.resize(4 * side * side, 0.0);
+        if !self.bins.is_empty(tile) {
+            self.bins.of_tile(tile, &mut bench.candidates);
+            for (pass, questions) in passes {
+                let place = self.place(tile, pass);
+                widest(Samples { picture: self, bench, place, questions: Some(questions) });
             }
-            if sum != last.0 {
-                last = (sum, resolve(sum, samples));
-            }
-            pixels[pixel] = last.1;
-        });
+        }
+        let (x, y) = (tile as u32 % self.bins.tiles[0] * side as u32, tile as u32 / self.bins.tiles[0] * side as u32);
+        let (width, height) = ((self.region.width - x).min(side as u32), (self.region.height - y).min(side as u32));
+        let mut pixels = vec![Srgb8::BLACK; (width * height) as usize];
+        widest(Finish { picture: self, sums: &bench.sums, corner: [self.region.x + x, self.region.y + y], width, samples, pixels: &mut pixels });
         pixels
     }
 }
 
-/// Sorts a scene into the tiles of a view and calls `draw` with the picture.
-fn with_picture<R>(
-    scene: &Scene,
-    view: &View,
-    frame: &FrameConstants,
-    ground_map: &GroundMap,
-    draw: impl FnOnce(&Picture<'_>) -> R,
-) -> R {
-    let solids = Solids::new(scene, view.camera.view_from_world());
-    let picture = Picture {
-        bins: Bins::new(&solids, view),
-        shader: Shader::new(frame, &solids, ground_map),
-        grid: view.pixel_grid(),
-        region: view.region(),
-        near: view.camera.near,
-    };
-    draw(&picture)
+/// The pixels of a tile, as work for [`widest`].
+struct Finish<'w, 'a> {
+    picture: &'w Picture<'a>,
+    sums: &'w [f32],
+    corner: [u32; 2],
+    width: u32,
+    samples: u32,
+    pixels: &'w mut [Srgb8],
+}
+
+impl Work for Finish<'_, '_> {
+    #[inline(always)]
+    fn run(self) {
+        let (side, width) = (self.picture.bins.tile as usize, self.width as usize);
+        let background = resolve(shade_background(self.picture.shader.frame), 1);
+        for ((row, pixels), y) in self.pixels.chunks_exact_mut(width).enumerate().zip(self.corner[1]..) {
+            let plane = |plane: usize| &self.sums[(plane * side + row) * side..][..width];
+            let (shader, grid) = (&self.picture.shader, &self.picture.grid);
+            let row = Row { shader, grid, corner: [self.corner[0], y], samples: self.samples, background };
+            row.finish([plane(0), plane(1), plane(2), plane(3)], pixels);
+        }
+    }
 }
 
 /// The finished picture; unfinished, and of no use, if `stop` became true meanwhile.
@@ -328,29 +152,31 @@ pub(super) fn image(
     let frame = FrameConstants::new(scene, view, settings);
     let region = view.region();
     let samples = settings.samples.clamp(1, 4096);
+    let passes: Vec<_> = Pass::all(samples).into_iter().map(|pass| (lights.questions(view, &pass), pass)).collect();
+    let passes: Vec<_> = passes.into_iter().map(|(questions, pass)| (pass, questions)).collect();
+    let tile = passes.first().map_or(1, |(pass, _)| pass.side) * SIDE as u32;
     let row_bytes = region.width as usize * 4;
     let mut rgba = vec![0u8; row_bytes * region.height as usize];
-    with_picture(scene, view, &frame, ground_map, |picture| {
-        let across = picture.bins.tiles[0] as usize;
-        rgba.par_chunks_mut(row_bytes * TILE as usize).enumerate().for_each(|(tile_row, band)| {
-            // Tiles of a band differ much in cost: they are shared out one by one.
-            let tiles: Vec<_> = (0..across)
-                .into_par_iter()
-                .with_max_len(1)
-                .map(|column| match stop.load(Ordering::Relaxed) {
-                    true => [Srgb8::BLACK; PIXELS],
-                    false => picture.color_tile(tile_row * across + column, samples, lights),
-                })
-                .collect();
-            for (column, pixels) in tiles.iter().enumerate() {
-                let left = column * TILE as usize;
-                let width = (TILE as usize).min(region.width as usize - left);
-                for (row, line) in band.chunks_mut(row_bytes).enumerate() {
-                    let from = &pixels[row * TILE as usize..row * TILE as usize + width];
-                    line[left * 4..(left + width) * 4].copy_from_slice(bytemuck::cast_slice(from));
-                }
+    let solids = Solids::new(scene, view.camera.view_from_world());
+    let picture = Picture::new(Shader::new(&frame, &solids, ground_map), view, tile);
+    let across = picture.bins.tiles[0] as usize;
+    rgba.par_chunks_mut(row_bytes * tile as usize).enumerate().for_each(|(tile_row, band)| {
+        // Tiles of a band differ much in cost: they are shared out in small groups.
+        let tiles: Vec<_> = (0..across)
+            .into_par_iter()
+            .with_max_len(4)
+            .map_init(Bench::new, |bench, column| match stop.load(Ordering::Relaxed) {
+                true => Vec::new(),
+                false => picture.color_tile(bench, tile_row * across + column, &passes, samples),
+            })
+            .collect();
+        for (column, pixels) in tiles.iter().enumerate() {
+            let left = column * tile as usize;
+            let width = (tile as usize).min(region.width as usize - left);
+            for (from, line) in pixels.chunks_exact(width).zip(band.chunks_mut(row_bytes)) {
+                line[left * 4..(left + width) * 4].copy_from_slice(bytemuck::cast_slice(from));
             }
-        });
+        }
     });
     Image { width: region.width, height: region.height, rgba }
 }
@@ -361,27 +187,34 @@ pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
     let frame = FrameConstants::new(scene, view, &Settings::default());
     let region = view.region();
     let none = GroundMap::none();
-    with_picture(scene, view, &frame, &none, |picture| {
-        let across = picture.bins.tiles[0] as usize;
-        let tiles: Vec<Box<TileDepth>> = (0..across * picture.bins.tiles[1] as usize)
-            .into_par_iter()
-            .map(|tile| {
-                let mut depth = Box::new(TileDepth::new());
-                picture.see(&mut depth, tile, [0.5, 0.5]);
-                depth
-            })
-            .collect();
-        let mut buffer = GBuffer::with_capacity(region.width, region.height);
-        for y in 0..region.height {
-            for x in 0..region.width {
-                let tile = &tiles[(y / TILE) as usize * across + (x / TILE) as usize];
-                let (column, row) = ((x % TILE) as usize, (y % TILE) as usize);
-                let t = tile.t[row][column];
-                let nearest = (t < f32::INFINITY).then(|| (tile.index[row][column], t));
-                let ray = picture.grid.ray((tile.u[column], tile.v[row]));
-                buffer.push(picture.shader.facts(&ray, nearest));
-            }
+    let solids = Solids::new(scene, view.camera.view_from_world());
+    let passes = Pass::all(1);
+    let pass = &passes[0];
+    let picture = Picture::new(Shader::new(&frame, &solids, &none), view, pass.side * SIDE as u32);
+    let across = picture.bins.tiles[0] as usize;
+    let tiles: Vec<Box<Tile>> = (0..across * picture.bins.tiles[1] as usize)
+        .into_par_iter()
+        .map(|tile| {
+            let mut bench = Bench::new();
+            picture.bins.of_tile(tile, &mut bench.candidates);
+            let place = picture.place(tile, pass);
+            widest(Samples { picture: &picture, bench: &mut bench, place, questions: None });
+            bench.tile
+        })
+        .collect();
+    let mut buffer = GBuffer::with_capacity(region.width, region.height);
+    for y in 0..region.height {
+        for x in 0..region.width {
+            let of = |at: u32| (at % picture.bins.tile, at / picture.bins.tile);
+            let ((column, tile_column), (row, tile_row)) = (of(x), of(y));
+            let tile = &tiles[tile_row as usize * across + tile_column as usize];
+            let block = |at: u32| (at / pass.side) as usize;
+            let lane = (row % pass.side * pass.side + column % pass.side) as usize;
+            let (t, index) = (tile.t[block(row)][block(column)][lane], tile.index[block(row)][block(column)][lane]);
+            let nearest = (t < f32::INFINITY).then_some((index, t));
+            let center = picture.grid.plane((region.x + x) as f32 + 0.5, (region.y + y) as f32 + 0.5);
+            buffer.push(picture.shader.facts(&picture.grid.ray(center), nearest));
         }
-        buffer
-    })
+    }
+    buffer
 }

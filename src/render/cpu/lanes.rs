@@ -1,0 +1,107 @@
+//! Sixteen samples that are worked on together, and how they lie in the picture.
+//!
+//! A block is one pixel with 16 samples, 2 × 2 pixels with 4, or 4 × 4 pixels with 1: a small primitive touches few
+//! blocks whatever the number of samples. Loops over lanes are plain Rust that becomes vector code (see [`super::simd`]).
+
+use crate::render::settings::sample_offset;
+
+/// Samples in a block: one vector register of AVX-512, two of AVX2.
+pub(super) const LANES: usize = 16;
+
+/// One number of each sample.
+pub(super) type Lanes = [f32; LANES];
+
+/// One pass over the picture: which samples the lanes of a block are.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Pass {
+    /// Pixels on a side of a block: 1, 2 or 4.
+    pub(super) side: u32,
+    /// Place of each lane's sample from the block's upper left corner, pixels.
+    pub(super) x: Lanes,
+    pub(super) y: Lanes,
+    /// Its number in the sequence of the pixel's samples.
+    pub(super) sample: [u32; LANES],
+}
+
+impl Pass {
+    /// Samples of one pixel in a block; the lanes of a pixel are neighbours.
+    pub(super) fn per_pixel(&self) -> usize {
+        LANES / (self.side * self.side) as usize
+    }
+
+    /// Samples `first ..` of `samples`, as many as fit.
+    fn new(first: u32, samples: u32) -> Pass {
+        let side = match samples - first {
+            16.. => 1,
+            4.. => 2,
+            _ => 4,
+        };
+        let per_pixel = LANES as u32 / (side * side);
+        let mut pass = Pass { side, x: [0.0; LANES], y: [0.0; LANES], sample: [0; LANES] };
+        for lane in 0..LANES as u32 {
+            let (pixel, sample) = (lane / per_pixel, first + lane % per_pixel);
+            let [dx, dy] = sample_offset(sample, samples);
+            let at = lane as usize;
+            (pass.x[at], pass.y[at]) = ((pixel % side) as f32 + dx, (pixel / side) as f32 + dy);
+            pass.sample[at] = sample;
+        }
+        pass
+    }
+
+    /// The passes of a picture with so many samples a pixel; the first has the smallest blocks.
+    pub(super) fn all(samples: u32) -> Vec<Pass> {
+        let (mut passes, mut done) = (Vec::new(), 0);
+        while done < samples {
+            let pass = Pass::new(done, samples);
+            done += pass.per_pixel() as u32;
+            passes.push(pass);
+        }
+        passes
+    }
+}
+
+/// `f32::min` and `max` keep a number beside NaN, which costs; these become one instruction.
+#[inline(always)]
+pub(super) fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// See [`min`].
+#[inline(always)]
+pub(super) fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// A whole number of 0 to 2²³ − 1, rounded: its bits after 2²³ was added. A cast would check for more.
+#[inline(always)]
+pub(super) fn whole(x: f32) -> u32 {
+    (x + 8_388_608.0).to_bits() & 0x7f_ffff
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn passes_take_every_sample_of_every_pixel_once() {
+        for samples in [1, 2, 3, 4, 5, 9, 16, 20, 37, 64] {
+            let mut seen = Vec::new();
+            for pass in Pass::all(samples) {
+                assert_eq!(pass.per_pixel() * (pass.side * pass.side) as usize, LANES);
+                for lane in 0..LANES {
+                    let [dx, dy] = sample_offset(pass.sample[lane], samples);
+                    let pixel = (pass.x[lane] - dx, pass.y[lane] - dy);
+                    assert!(pixel.0.fract() == 0.0 && pixel.1.fract() == 0.0);
+                    assert_eq!(pixel.1 as usize * pass.side as usize + pixel.0 as usize, lane / pass.per_pixel());
+                }
+                seen.extend(pass.sample[..pass.per_pixel()].iter().copied());
+            }
+            assert_eq!(seen, (0..samples).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn whole_numbers_are_rounded() {
+        assert_eq!([0.0, 0.4, 0.6, 65_535.2, 8_388_607.0].map(whole), [0, 0, 1, 65_535, 8_388_607]);
+    }
+}
