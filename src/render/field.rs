@@ -207,7 +207,12 @@ impl GroundMap {
     /// [`ground_light`] at points of the ground, the same as with [`GroundMap::at`] one by one.
     #[inline(always)]
     #[must_use]
-    pub fn light<const N: usize>(&self, frame: &FrameConstants, x_in_world: &[f32; N], z_in_world: &[f32; N]) -> [f32; N] {
+    pub fn light<const N: usize>(
+        &self,
+        frame: &FrameConstants,
+        x_in_world: &[f32; N],
+        z_in_world: &[f32; N],
+    ) -> [f32; N] {
         let grid = frame.ground_grid();
         let mut light = [1.0; N];
         let [width, height] = self.size;

@@ -17,6 +17,7 @@ pub mod sky;
 pub mod solids;
 #[cfg(test)]
 mod test_shapes;
+pub mod tubes;
 
 pub use image::{GBuffer, Image};
 pub use select::{Choice, Selection, select};

@@ -83,8 +83,7 @@ impl Turns {
         // depends on the shift from stratum to stratum. The best shift gives every surface much the same weight.
         let turns = count.div_ceil(each);
         let normals = directions(48);
-        let weights: Vec<Vec<f32>> =
-            normals.iter().map(|n| all.iter().map(|d| d.dot(*n).max(0.0)).collect()).collect();
+        let weights: Vec<Vec<f32>> = normals.iter().map(|n| all.iter().map(|d| d.dot(*n).max(0.0)).collect()).collect();
         let unevenness = |shift: u32| -> f32 {
             let sum = |of: &Vec<f32>, turn| (0..each).map(|j| of[member(count, each, turn, shift, j)]).sum::<f32>();
             weights.iter().map(|of| (0..turns).map(|turn| sum(of, turn).powi(2)).sum::<f32>()).sum()

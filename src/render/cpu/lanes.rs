@@ -3,6 +3,7 @@
 //! A block is one pixel with 16 samples, 2 × 2 pixels with 4, or 4 × 4 pixels with 1: a small primitive touches few
 //! blocks whatever the number of samples. Loops over lanes are plain Rust that becomes vector code (see [`super::simd`]).
 
+use super::tile::SIDE;
 use crate::render::settings::sample_offset;
 
 /// Samples in a block: one vector register of AVX-512, two of AVX2.
@@ -21,6 +22,9 @@ pub(super) struct Pass {
     pub(super) y: Lanes,
     /// Its number in the sequence of the pixel's samples.
     pub(super) sample: [u32; LANES],
+    /// Of 4 × 4 neighbouring pixels: where in a tile's blocks (rows of [`super::tile::SIDE`], counted from that of the first
+    /// pixel) the first sample of each stands, in samples.
+    pub(super) group: [usize; LANES],
 }
 
 impl Pass {
@@ -37,7 +41,12 @@ impl Pass {
             _ => 4,
         };
         let per_pixel = LANES as u32 / (side * side);
-        let mut pass = Pass { side, x: [0.0; LANES], y: [0.0; LANES], sample: [0; LANES] };
+        let group = std::array::from_fn(|pixel| {
+            let (x, y) = (pixel as u32 % 4, pixel as u32 / 4);
+            let block = (y / side) as usize * SIDE + (x / side) as usize;
+            block * LANES + ((y % side * side + x % side) * per_pixel) as usize
+        });
+        let mut pass = Pass { side, x: [0.0; LANES], y: [0.0; LANES], sample: [0; LANES], group };
         for lane in 0..LANES as u32 {
             let (pixel, sample) = (lane / per_pixel, first + lane % per_pixel);
             let [dx, dy] = sample_offset(sample, samples);

@@ -8,7 +8,6 @@ mod backdrop;
 mod binning;
 pub mod intersect;
 mod lanes;
-mod maps;
 mod reach;
 pub mod reference;
 mod shade;

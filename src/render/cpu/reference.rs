@@ -93,7 +93,8 @@ impl Reaches {
             turns.directions.iter_mut().for_each(|d| *d = view_from_world.transform_vector3(*d));
             turns
         };
-        let key = if settings.shadow { Turns::of_key(frame.key_in_world(), settings.samples) } else { Turns::default() };
+        let key =
+            if settings.shadow { Turns::of_key(frame.key_in_world(), settings.samples) } else { Turns::default() };
         let sky = Turns::of_sky(settings.ao.min(Settings::MOST_DIRECTIONS), settings.samples);
         Reaches { sky: turned(sky), key: turned(key), unasked: frame.unasked(), near: view.camera.near }
     }

@@ -1,16 +1,18 @@
-//! From what the samples of a block see to light: the vector twin of [`super::shader::Shader`].
+//! From what the samples of a tile see to light: the vector twin of [`super::shader::Shader`].
+//!
+//! Worked on together are 4 × 4 pixels, one sample of each: they ask the same directions of the sky.
 //!
 //! The primitives' facts are gathered lane by lane, everything after that is the same for balls and sticks: a ball is a
 //! stick whose axis has no length. The normal comes from the hit's place, not from solving again, so that it is off by
 //! the rounding of the depth: 1e-4 of a stick's radius at 100 Å, less than a colour can show.
 
 use super::lanes::{LANES, Lanes, max, min};
-use super::maps::Points;
-use super::reach::Questions;
+use super::reach::{Points, Questions};
 use super::shader::Shader;
-use super::tile::{Place, Tile, ray};
+use super::tile::{Place, SIDE, Tile};
 use crate::render::frame::{Surface, shade_surface};
-use crate::render::sky::Reach;
+use crate::render::sky::{Reach, START_OFFSET};
+use crate::scene::PixelGrid;
 use glam::Vec3;
 
 /// Facts of the primitives that the lanes of a block see.
@@ -114,78 +116,138 @@ impl Fact {
     }
 }
 
-/// Light of the samples of a block; `seen` says which of them see a primitive.
-pub(super) struct Lit {
-    pub(super) color: [Lanes; 3],
-    pub(super) seen: [bool; LANES],
-    pub(super) any: bool,
+/// Pixels on a side of what is worked on together.
+pub(super) const GROUP: usize = 4;
+
+/// One sample of each pixel of a group.
+struct Samples {
+    u: Lanes,
+    v: Lanes,
+    t: Lanes,
+    index: [u32; LANES],
+    /// Which of them see a primitive.
+    seen: [bool; LANES],
 }
 
-/// The light of a block.
+/// Adds the light of a group of pixels to the sums of a tile (planes of [`super::backdrop::Sums`], rows of `width` pixels).
 #[inline(always)]
-pub(super) fn light(
+pub(super) fn add_group(
     shader: &Shader<'_>,
     questions: &Questions<'_>,
     place: &Place<'_>,
     tile: &Tile,
+    (sums, width): (&mut [f32], usize),
     [row, column]: [usize; 2],
-) -> Lit {
-    let (t, index) = (&tile.t[row][column], &tile.index[row][column]);
-    let mut lit = Lit { color: [[0.0; LANES]; 3], seen: [false; LANES], any: false };
-    let first = index[0];
-    let (mut hits, mut same) = (0u32, 0u32);
+) {
+    let blocks = GROUP / place.pass.side as usize;
+    let is_touched = |row: usize| tile.touched[row][column * blocks..(column + 1) * blocks].contains(&true);
+    if !(row * blocks..(row + 1) * blocks).any(is_touched) {
+        return;
+    }
+    let (mut color, mut count) = ([[0.0f32; LANES]; 3], [0.0f32; LANES]);
+    for sample in 0..place.pass.per_pixel() {
+        let samples = gather(shader, place, tile, sample, [row, column]);
+        if samples.seen.contains(&true) {
+            let lit = light(shader, questions, place, &samples, place.pass.sample[sample]);
+            for lane in 0..LANES {
+                for part in 0..3 {
+                    color[part][lane] += lit[part][lane];
+                }
+                count[lane] += if samples.seen[lane] { 1.0 } else { 0.0 };
+            }
+        }
+    }
+    for (plane, lanes) in [&color[0], &color[1], &color[2], &count].into_iter().enumerate() {
+        for y in 0..GROUP {
+            let start = (plane * width + row * GROUP + y) * width + column * GROUP;
+            for (sum, lane) in sums[start..start + GROUP].iter_mut().zip(&lanes[y * GROUP..(y + 1) * GROUP]) {
+                *sum += lane;
+            }
+        }
+    }
+}
+
+/// One sample of each pixel of a group.
+#[inline(always)]
+fn gather(shader: &Shader<'_>, place: &Place<'_>, tile: &Tile, sample: usize, [row, column]: [usize; 2]) -> Samples {
+    let blocks = GROUP / place.pass.side as usize;
+    let mut samples = Samples {
+        u: [0.0; LANES],
+        v: [0.0; LANES],
+        t: [f32::INFINITY; LANES],
+        index: [0; LANES],
+        seen: [false; LANES],
+    };
+    let (t, index) = (tile.t.as_flattened().as_flattened(), tile.index.as_flattened().as_flattened());
+    let start = (row * blocks * SIDE + column * blocks) * LANES + sample;
     for lane in 0..LANES {
-        hits += u32::from(t[lane] < f32::INFINITY);
-        same += u32::from(index[lane] == first);
+        let at = start + place.pass.group[lane];
+        samples.t[lane] = t[at];
+        samples.index[lane] = index[at];
     }
-    if hits == 0 {
-        return lit;
-    }
-    let (u, v) = (place.u(column), place.v(row));
-    let beyond = shader.ground_beyond(place.grid.orthographic, &u, &v);
+    // The first pixel's sample is as far from its corner as every other's.
+    let (dx, dy) = (place.pass.x[sample], place.pass.y[sample]);
+    let (left, top) = (place.corner[0] + (column * GROUP) as u32, place.corner[1] + (row * GROUP) as u32);
+    let PixelGrid { center_px, plane_per_px, .. } = place.grid;
     for lane in 0..LANES {
-        lit.seen[lane] = (t[lane] < f32::INFINITY) & (t[lane] <= beyond[lane]);
-        lit.any |= lit.seen[lane];
+        let (x, y) = ((left + (lane % GROUP) as u32) as f32 + dx, (top + (lane / GROUP) as u32) as f32 + dy);
+        samples.u[lane] = (x - center_px[0]) * plane_per_px;
+        samples.v[lane] = (center_px[1] - y) * plane_per_px;
     }
-    if !lit.any {
-        return lit;
+    let beyond = shader.ground_beyond(place.grid.orthographic, &samples.u, &samples.v);
+    for lane in 0..LANES {
+        samples.seen[lane] = (samples.t[lane] < f32::INFINITY) & (samples.t[lane] <= beyond[lane]);
     }
-    let facts = if hits as usize == LANES && same as usize == LANES {
+    samples
+}
+
+/// The light of samples; black where they see no primitive.
+#[inline(always)]
+fn light(
+    shader: &Shader<'_>,
+    questions: &Questions<'_>,
+    place: &Place<'_>,
+    samples: &Samples,
+    number: u32,
+) -> [Lanes; 3] {
+    let first = samples.index[0];
+    let mut same = true;
+    for lane in 0..LANES {
+        same &= samples.seen[lane] & (samples.index[lane] == first);
+    }
+    let facts = if same {
         Facts::all(&Fact::of(shader, first))
     } else {
         let mut facts = Facts::new();
         for lane in 0..LANES {
-            if lit.seen[lane] {
-                facts.set(lane, &Fact::of(shader, index[lane]));
+            if samples.seen[lane] {
+                facts.set(lane, &Fact::of(shader, samples.index[lane]));
             }
         }
         facts
     };
-    if place.grid.orthographic {
-        finish::<true>(shader, questions, (&u, &v, t), &facts, &mut lit);
-    } else {
-        finish::<false>(shader, questions, (&u, &v, t), &facts, &mut lit);
-    }
-    lit
+    finish(shader, questions, place.grid.orthographic, samples, &facts, number)
 }
 
 #[inline(always)]
-fn finish<const PARALLEL: bool>(
+fn finish(
     shader: &Shader<'_>,
     questions: &Questions<'_>,
-    (u, v, t): (&Lanes, &Lanes, &Lanes),
+    parallel: bool,
+    samples: &Samples,
     facts: &Facts,
-    lit: &mut Lit,
-) {
+    number: u32,
+) -> [Lanes; 3] {
     let near = shader.frame.depth[2];
-    let center = questions.center_in_view;
+    let Samples { u, v, t, seen, .. } = samples;
+    // Rays start at (u, v, 0) and run along −z, or start at the eye and run along (u, v, −1).
+    let (start, slope) = if parallel { (1.0, 0.0) } else { (0.0, 1.0) };
     let mut points = Points::default();
     let mut half = [0.0f32; LANES];
     for lane in 0..LANES {
-        let ray = ray::<PARALLEL>(u[lane], v[lane]);
-        let d = ray.direction;
-        let depth = if lit.seen[lane] { t[lane] } else { near };
-        let hit = ray.origin + d * depth;
+        let d = Vec3::new(u[lane] * slope, v[lane] * slope, -1.0);
+        let depth = if seen[lane] { t[lane] } else { near };
+        let hit = Vec3::new(u[lane] * start, v[lane] * start, 0.0) + d * depth;
         let p = hit - Vec3::new(facts.center[0][lane], facts.center[1][lane], facts.center[2][lane]);
         let axis = Vec3::new(facts.axis[0][lane], facts.axis[1][lane], facts.axis[2][lane]);
         let along = p.x * axis.x + p.y * axis.y + p.z * axis.z;
@@ -208,22 +270,32 @@ fn finish<const PARALLEL: bool>(
         let capped = by_a | by_b;
         let toward = -1.0 / (d.x * d.x + d.y * d.y + d.z * d.z).sqrt();
         let cut = depth <= near;
-        let pick = |n: f32, axis: f32, d: f32| if cut { d * toward } else if capped { axis * cap } else { n };
+        let pick = |n: f32, axis: f32, d: f32| {
+            if cut {
+                d * toward
+            } else if capped {
+                axis * cap
+            } else {
+                n
+            }
+        };
         n = Vec3::new(pick(n.x, axis.x, d.x), pick(n.y, axis.y, d.y), pick(n.z, axis.z, d.z));
         let over = 1.0 / max((n.x * n.x + n.y * n.y + n.z * n.z).sqrt(), 1e-20);
         // Seen from inside, an open cylinder shows its back.
         let over = if n.x * d.x + n.y * d.y + n.z * d.z > 0.0 { -over } else { over };
-        points.position[0][lane] = hit.x - center.x;
-        points.position[1][lane] = hit.y - center.y;
-        points.position[2][lane] = hit.z - center.z;
-        points.normal[0][lane] = n.x * over;
-        points.normal[1][lane] = n.y * over;
-        points.normal[2][lane] = n.z * over;
+        let n = n * over;
+        for axis in 0..3 {
+            points.position[axis][lane] = hit[axis] + n[axis] * START_OFFSET;
+            points.normal[axis][lane] = n[axis];
+        }
+        points.asks[lane] = if seen[lane] & !cut { 1.0 } else { 0.0 };
+        points.own[lane] = samples.index[lane];
     }
     let unasked = shader.frame.unasked();
-    let [open, key] = questions.ask(&points, unasked);
+    let [open, key] = questions.ask(shader.solids, &points, number, unasked);
+    let mut light = [[0.0f32; LANES]; 3];
     for lane in 0..LANES {
-        let ray = ray::<PARALLEL>(u[lane], v[lane]);
+        let direction = Vec3::new(u[lane] * slope, v[lane] * slope, -1.0);
         let is_b = half[lane] > 0.0;
         let albedo = |part: usize| if is_b { facts.colors[1][part][lane] } else { facts.colors[0][part][lane] };
         let surface = Surface {
@@ -232,45 +304,12 @@ fn finish<const PARALLEL: bool>(
             albedo: Vec3::new(albedo(0), albedo(1), albedo(2)),
         };
         let cut = t[lane] <= near;
-        let reach = Reach {
-            open: if cut { unasked.open } else { open[lane] },
-            key: if cut { unasked.key } else { key[lane] },
-        };
-        let color = shade_surface(shader.frame, &surface, reach, ray.direction);
-        lit.color[0][lane] = if lit.seen[lane] { color.x } else { 0.0 };
-        lit.color[1][lane] = if lit.seen[lane] { color.y } else { 0.0 };
-        lit.color[2][lane] = if lit.seen[lane] { color.z } else { 0.0 };
+        let reach =
+            Reach { open: if cut { unasked.open } else { open[lane] }, key: if cut { unasked.key } else { key[lane] } };
+        let color = shade_surface(shader.frame, &surface, reach, direction);
+        light[0][lane] = if seen[lane] { color.x } else { 0.0 };
+        light[1][lane] = if seen[lane] { color.y } else { 0.0 };
+        light[2][lane] = if seen[lane] { color.z } else { 0.0 };
     }
-}
-
-/// Adds a block's light to the sums of its pixels (planes of [`super::backdrop::Sums`] of a tile of `width` pixels).
-#[inline(always)]
-pub(super) fn add(lit: &Lit, place: &Place<'_>, sums: &mut [f32], width: usize, [row, column]: [usize; 2]) {
-    match place.pass.side {
-        1 => add_pixels::<1>(lit, sums, width, [row, column]),
-        2 => add_pixels::<2>(lit, sums, width, [row, column]),
-        _ => add_pixels::<4>(lit, sums, width, [row, column]),
-    }
-}
-
-/// Of a block of `SIDE` × `SIDE` pixels, whose lanes lie one after the other.
-#[inline(always)]
-fn add_pixels<const SIDE: usize>(lit: &Lit, sums: &mut [f32], width: usize, [row, column]: [usize; 2]) {
-    let per_pixel = LANES / (SIDE * SIDE);
-    let seen: Lanes = lit.seen.map(|seen| if seen { 1.0 } else { 0.0 });
-    for (plane, lanes) in [&lit.color[0], &lit.color[1], &lit.color[2], &seen].into_iter().enumerate() {
-        for y in 0..SIDE {
-            let start = (plane * width + row * SIDE + y) * width + column * SIDE;
-            let line = &mut sums[start..start + SIDE];
-            for x in 0..SIDE {
-                let first = (y * SIDE + x) * per_pixel;
-                // In pairs, and pairs of pairs: no chain of sixteen additions, each of which waits for the one before.
-                let mut sum = [0.0f32; 4];
-                for i in 0..per_pixel {
-                    sum[i % 4] += lanes[first + i];
-                }
-                line[x] += (sum[0] + sum[1]) + (sum[2] + sum[3]);
-            }
-        }
-    }
+    light
 }

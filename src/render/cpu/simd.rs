@@ -3,7 +3,10 @@
 //! The loops over lanes are plain Rust that the compiler turns into vector code. Compiled for x86-64's baseline they
 //! get 4 lanes and no blends; with AVX2 the same loops get 8, with AVX-512 all 16 (the gain is in the benches,
 //! `cpu_frame`). Only the width changes: fused multiply-add stays off, so every level gives the same bits.
-#![expect(unsafe_code, reason = "instructions that were just found to be there, and loads whose bounds were just checked")]
+#![expect(
+    unsafe_code,
+    reason = "instructions that were just found to be there, and loads whose bounds were just checked"
+)]
 
 use super::lanes::LANES;
 
@@ -23,7 +26,7 @@ pub(super) fn widest(work: impl Work) {
             && std::arch::is_x86_feature_detected!("avx512dq")
             && std::arch::is_x86_feature_detected!("avx512vl")
             && std::arch::is_x86_feature_detected!("avx512bw");
-        if has_avx512 && !*NO_AVX512 {
+        if has_avx512 {
             // SAFETY: the machine has all four parts of AVX-512.
             return unsafe { avx512(work) };
         }
@@ -48,8 +51,6 @@ pub(super) fn pairs(list: &[u16], index: &[u32; LANES]) -> [u32; LANES] {
 }
 
 #[cfg(target_arch = "x86_64")]
-static NO_AVX512: std::sync::LazyLock<bool> = std::sync::LazyLock::new(|| std::env::var_os("NO_AVX512").is_some());
-
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn avx2(work: impl Work) {

@@ -93,6 +93,8 @@ pub(super) struct Tile {
     pub(super) index: [[[u32; LANES]; SIDE]; SIDE],
     /// The farthest depth of each block; infinity while a sample of it is empty.
     farthest: [[f32; SIDE]; SIDE],
+    /// Whether anything is seen in each block.
+    pub(super) touched: [[bool; SIDE]; SIDE],
 }
 
 impl Tile {
@@ -101,17 +103,17 @@ impl Tile {
             t: [[[f32::INFINITY; LANES]; SIDE]; SIDE],
             index: [[[0; LANES]; SIDE]; SIDE],
             farthest: [[f32::INFINITY; SIDE]; SIDE],
+            touched: [[false; SIDE]; SIDE],
         })
     }
 
     /// Finds what is seen; `candidates` are front to back.
     #[inline(always)]
     pub(super) fn see(&mut self, place: &Place<'_>, solids: &Solids, candidates: &[Candidate]) {
-        for row in 0..place.blocks[1] {
-            self.t[row][..place.blocks[0]].fill([f32::INFINITY; LANES]);
-            self.index[row][..place.blocks[0]].fill([0; LANES]);
-        }
+        self.t.as_flattened_mut().fill([f32::INFINITY; LANES]);
+        self.index.as_flattened_mut().fill([0; LANES]);
         self.farthest = [[f32::INFINITY; SIDE]; SIDE];
+        self.touched = [[false; SIDE]; SIDE];
         for (drawn, candidate) in candidates.iter().enumerate() {
             if drawn % 16 == 15 && candidate.nearest > self.farthest(place) {
                 break; // the rest is behind everything
@@ -193,6 +195,7 @@ impl Tile {
             any |= u32::from(closer);
         }
         if any != 0 {
+            self.touched[row][column] = true;
             let mut most = [0.0f32; 4];
             for (lane, &t) in t.iter().enumerate() {
                 most[lane % 4] = if t > most[lane % 4] { t } else { most[lane % 4] };

@@ -7,7 +7,7 @@ use super::backdrop::Row;
 use super::binning::{Bins, Candidate};
 use super::lanes::Pass;
 use super::reach::{Lights, Questions};
-use super::shade;
+use super::shade::{self, GROUP};
 use super::shader::Shader;
 use super::simd::{Work, widest};
 use super::tile::{Place, SIDE, Tile};
@@ -84,12 +84,11 @@ impl Work for Samples<'_, '_> {
         let Samples { picture, bench, place, questions } = self;
         bench.tile.see(&place, picture.shader.solids, &bench.candidates);
         let Some(questions) = questions else { return };
-        for row in 0..place.blocks[1] {
-            for column in 0..place.blocks[0] {
-                let lit = shade::light(&picture.shader, questions, &place, &bench.tile, [row, column]);
-                if lit.any {
-                    shade::add(&lit, &place, &mut bench.sums, picture.bins.tile as usize, [row, column]);
-                }
+        let side = picture.bins.tile as usize;
+        for row in 0..side / GROUP {
+            for column in 0..side / GROUP {
+                let sums = (bench.sums.as_mut_slice(), side);
+                shade::add_group(&picture.shader, questions, &place, &bench.tile, sums, [row, column]);
             }
         }
     }
@@ -97,13 +96,19 @@ impl Work for Samples<'_, '_> {
 
 impl Picture<'_> {
     /// Writes the finished pixels of a tile to its rows in a band of the picture.
-    fn color_tile(&self, bench: &mut Bench, tile: usize, passes: &[(Pass, Questions<'_>)], samples: u32) -> Vec<Srgb8> {
+    fn color_tile(
+        &self,
+        bench: &mut Bench,
+        tile: usize,
+        (passes, questions): (&[Pass], &Questions<'_>),
+        samples: u32,
+    ) -> Vec<Srgb8> {
         let side = self.bins.tile as usize;
         bench.sums.clear();
         bench.sums.resize(4 * side * side, 0.0);
         if !self.bins.is_empty(tile) {
             self.bins.of_tile(tile, &mut bench.candidates);
-            for (pass, questions) in passes {
+            for pass in passes {
                 let place = self.place(tile, pass);
                 widest(Samples { picture: self, bench, place, questions: Some(questions) });
             }
@@ -111,7 +116,14 @@ impl Picture<'_> {
         let (x, y) = (tile as u32 % self.bins.tiles[0] * side as u32, tile as u32 / self.bins.tiles[0] * side as u32);
         let (width, height) = ((self.region.width - x).min(side as u32), (self.region.height - y).min(side as u32));
         let mut pixels = vec![Srgb8::BLACK; (width * height) as usize];
-        widest(Finish { picture: self, sums: &bench.sums, corner: [self.region.x + x, self.region.y + y], width, samples, pixels: &mut pixels });
+        widest(Finish {
+            picture: self,
+            sums: &bench.sums,
+            corner: [self.region.x + x, self.region.y + y],
+            width,
+            samples,
+            pixels: &mut pixels,
+        });
         pixels
     }
 }
@@ -152,12 +164,12 @@ pub(super) fn image(
     let frame = FrameConstants::new(scene, view, settings);
     let region = view.region();
     let samples = settings.samples.clamp(1, 4096);
-    let passes: Vec<_> = Pass::all(samples).into_iter().map(|pass| (lights.questions(view, &pass), pass)).collect();
-    let passes: Vec<_> = passes.into_iter().map(|(questions, pass)| (pass, questions)).collect();
-    let tile = passes.first().map_or(1, |(pass, _)| pass.side) * SIDE as u32;
+    let passes = Pass::all(samples);
+    let tile = passes.first().map_or(1, |pass| pass.side) * SIDE as u32;
     let row_bytes = region.width as usize * 4;
     let mut rgba = vec![0u8; row_bytes * region.height as usize];
     let solids = Solids::new(scene, view.camera.view_from_world());
+    let questions = lights.questions(view, &solids);
     let picture = Picture::new(Shader::new(&frame, &solids, ground_map), view, tile);
     let across = picture.bins.tiles[0] as usize;
     rgba.par_chunks_mut(row_bytes * tile as usize).enumerate().for_each(|(tile_row, band)| {
@@ -167,7 +179,7 @@ pub(super) fn image(
             .with_max_len(4)
             .map_init(Bench::new, |bench, column| match stop.load(Ordering::Relaxed) {
                 true => Vec::new(),
-                false => picture.color_tile(bench, tile_row * across + column, &passes, samples),
+                false => picture.color_tile(bench, tile_row * across + column, (&passes, &questions), samples),
             })
             .collect();
         for (column, pixels) in tiles.iter().enumerate() {
