@@ -347,3 +347,7 @@ fn behind_cylinder(cylinder: &Cylinder, cosine: f32, index: u32, d: Vec3, points
     }
     left
 }
+
+#[cfg(test)]
+#[path = "reach_tests.rs"]
+mod tests;
