@@ -79,7 +79,7 @@
 //! - Large pictures are drawn in strips, each of which sorts all primitives anew. JPEG and WebP are gathered in memory, 3 or 4 bytes a
 //!   pixel. If a device is lost in the middle, the CPU draws the rest of the picture, while its metadata names the device.
 //! - One opacity cannot serve every way of laying pictures over one another: edges of transparent pictures are exact where light is
-//!   added in linear space, the ground's shadow where sRGB values are, as most programs do; there, edges on white look a little darker.
+//!   added in linear space, the ground's shadow where sRGB values are, as most programs do; there, edges on white look a little darker. Edge samples brighter than white are cut after the mean, not before.
 //! - A truncated single-frame XYZ file is refused, not shown in part.
 //! - Symmetry is applied where the file lists its operations (CIF of small molecules, REMARK 290 of PDB), not from the name of the
 //!   space group, which is all that mmCIF files of proteins give. A protein is drawn as listed unless `--cell full` asks for the

