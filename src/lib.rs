@@ -66,6 +66,7 @@
 //!   on the molecule is the mean over 16 directions in a cone ([`render::sky`]). The reference casts rays; the product and the
 //!   GPU draw a depth map from each direction and compare points where their tangent plane passes a texel's centre, so that no
 //!   bias is needed. It is asked once for each primitive in each pixel; what is seen and how it is turned is found at every sample.
+//! - A part of a picture ([`render::View::region`]) is byte for byte what it is in the whole: large pictures are made of such parts.
 //! - Ground and background are smooth and found once a pixel; what a primitive covers is found and shaded at every sample.
 //!
 //! # Known limits
@@ -75,6 +76,10 @@
 //! - Outlines and labels are missing. The edges of ambient occlusion and of shadows on the molecule are as fine as a texel of the
 //!   light's depth maps: 0.02 Å for a small molecule, 0.3 Å for 100,000 atoms.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
+//! - Large pictures are drawn in strips, each of which sorts all primitives anew. JPEG and WebP are gathered in memory, 3 or 4 bytes a
+//!   pixel. If a device is lost in the middle, the CPU draws the rest of the picture, while its metadata names the device.
+//! - One opacity cannot serve every way of laying pictures over one another: edges of transparent pictures are exact where light is
+//!   added in linear space, the ground's shadow where sRGB values are, as most programs do; there, edges on white look a little darker. Edge samples brighter than white are cut after the mean, not before.
 //! - A truncated single-frame XYZ file is refused, not shown in part.
 //! - Symmetry is applied where the file lists its operations (CIF of small molecules, REMARK 290 of PDB), not from the name of the
 //!   space group, which is all that mmCIF files of proteins give. A protein is drawn as listed unless `--cell full` asks for the

@@ -1,6 +1,7 @@
 //! The command line, as it is typed. Nothing here acts; names and defaults are what others script against.
 
-use super::values::{Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Size, Supercell, counted_from_1};
+use super::size::{Crop, PictureSize};
+use super::values::{Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Supercell, counted_from_1};
 use crate::color::Srgb8;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroU32;
@@ -68,6 +69,7 @@ pub struct ViewArgs {
 Examples:
   ballstick render caffeine.sdf -o caffeine.png
   ballstick render 1crn.pdb -o fig.png --size 3000x2000 --background transparent
+  ballstick render 1crn.pdb -o fig.png --size 85mmx60mm --dpi 600 --crop auto
   ballstick render *.sdf -o pictures/            one picture each: pictures/NAME.png
   ballstick render *.sdf -o 'out/{stem}.webp'    the same with names of your own
   curl … | ballstick render - -o - > fig.png
@@ -94,12 +96,20 @@ pub struct RenderArgs {
     /// Picture format where OUT does not say: png, jpg, webp, ppm or npy [default: png]
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<String>,
-    /// Width and height of the picture in pixels
+    /// Width and height of the picture in pixels, up to 32768 each, or in print (see --dpi): 85mmx60mm, 8cmx6cm,
+    /// 3.3inx2.5in; 85mm alone is the width of a picture of the usual shape
     #[arg(long, value_name = "WxH", default_value = "1920x1080", help_heading = "Picture")]
-    pub size: Size,
+    pub size: PictureSize,
+    /// Pixels an inch: what lengths in --size become, and what PNG and JPEG files say [default: 300 for lengths]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=9600), help_heading = "Picture")]
+    pub dpi: Option<u32>,
     /// Draw only this part of the full picture, in pixels from its upper left corner
-    #[arg(long, value_name = "X,Y,W,H", help_heading = "Picture")]
+    #[arg(long, value_name = "X,Y,W,H", conflicts_with = "crop", help_heading = "Picture")]
     pub region: Option<Region>,
+    /// Cut the picture to what is not background, shadow included: auto, or auto,MARGIN with the space that stays around
+    /// it in pixels (auto,20) or percent of its longer side (auto,5%) [default margin: 2%]
+    #[arg(long, value_name = "HOW", help_heading = "Picture")]
+    pub crop: Option<Crop>,
     /// Effort: samples, ambient occlusion and shadows
     #[arg(long, value_name = "LEVEL", default_value = "standard", help_heading = "Picture")]
     pub quality: QualityArg,
@@ -424,6 +434,7 @@ mod tests {
             "--record=all",
             "--channel=depth",
             "--region=0,0,10,10",
+            "--dpi=600",
             "--quality=high",
             "--timings",
             "--altloc=B",
@@ -448,6 +459,9 @@ mod tests {
             &["--frame=0"],
             &["--style=cartoon"],
             &["--view=front", "--axis=111"],
+            &["--size=32769x10"],
+            &["--dpi=0"],
+            &["--crop=auto", "--region=0,0,10,10"],
         ] {
             let error = render(flags).expect_err(&format!("{flags:?}"));
             assert_eq!(error.exit_code(), 2, "{flags:?}");

@@ -5,6 +5,7 @@
 
 pub mod bounds;
 pub mod cpu;
+pub mod crop;
 pub mod field;
 pub mod frame;
 #[cfg(feature = "gpu")]
