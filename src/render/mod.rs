@@ -5,12 +5,14 @@
 
 pub mod bounds;
 pub mod cpu;
+pub mod distance;
 pub mod field;
 pub mod frame;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod hierarchy;
 pub mod image;
+pub mod opacity;
 pub mod select;
 pub mod settings;
 pub mod sky;
