@@ -373,5 +373,8 @@ fn loose_slopes(cx: f32, cw: f32, r: f32, near: f32) -> (f32, f32) {
 }
 
 #[cfg(test)]
+#[path = "bounds_shape_tests.rs"]
+mod shape_tests;
+#[cfg(test)]
 #[path = "bounds_tests.rs"]
 mod tests;

@@ -223,5 +223,8 @@ impl GroundMap {
 }
 
 #[cfg(test)]
+#[path = "field_shape_tests.rs"]
+mod shape_tests;
+#[cfg(test)]
 #[path = "field_tests.rs"]
 mod tests;

@@ -19,6 +19,8 @@ pub mod sky;
 pub mod solids;
 #[cfg(test)]
 mod test_shapes;
+#[cfg(test)]
+mod test_solids;
 
 pub use image::{GBuffer, Image};
 pub use select::{Choice, Selection, select};

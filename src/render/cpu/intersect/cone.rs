@@ -33,12 +33,12 @@ fn nappe_interval(q: Vec3, e: Vec3, middle: f32, slope: f32) -> (f32, f32) {
     let widens = sigma > 0.0;
     let entry = select(across_both, first, select(widens, second, f32::NEG_INFINITY));
     let exit = select(across_both, second, select(widens, f32::INFINITY, first));
-    let miss = across_both && discriminant < 0.0;
+    let miss = across_both & (discriminant < 0.0);
     let parallel = ee + sigma * sigma <= 1e-12 * (ee + e.y * e.y);
     let inside = c <= 0.0;
     let entry = select(parallel, select(inside, f32::NEG_INFINITY, f32::INFINITY), entry);
     let exit = select(parallel, select(inside, f32::INFINITY, f32::NEG_INFINITY), exit);
-    let miss = miss && !parallel;
+    let miss = miss & !parallel;
     (select(miss, f32::INFINITY, entry), select(miss, f32::NEG_INFINITY, exit))
 }
 

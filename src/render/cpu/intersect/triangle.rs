@@ -47,13 +47,13 @@ pub fn triangle_t(ray: &Ray, triangle: &Triangle, near: f32) -> f32 {
     // Weights within −slack of the edges; both sides, hence times the sign.
     let sign = select(facing < 0.0, -1.0, 1.0);
     let size = facing * sign;
-    let inside = volumes.x * sign >= -triangle.slack.x * size
-        && volumes.y * sign >= -triangle.slack.y * size
-        && volumes.z * sign >= -triangle.slack.z * size;
+    let inside = (volumes.x * sign >= -triangle.slack.x * size)
+        & (volumes.y * sign >= -triangle.slack.y * size)
+        & (volumes.z * sign >= -triangle.slack.z * size);
     // Within 1e-6 rad of its plane it has no width.
     let has_width = facing * facing > 1e-12 * (dot(n, n) * dot(d, d));
     let t = t0 + dot(n, triangle.corners[0] - q) / select(has_width, facing, 1.0);
-    select(inside && has_width && t >= near, t, f32::INFINITY)
+    select(inside & has_width & (t >= near), t, f32::INFINITY)
 }
 
 /// The weights of the corners at the hit that [`triangle_t`] gave: each 0–1, together 1.
