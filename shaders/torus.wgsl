@@ -87,20 +87,30 @@ fn torus_normal(ray: Ray, torus: Torus, near: f32, t: f32) -> vec3<f32> {
     return towards_camera(normalize_or(n, to_camera), ray.direction);
 }
 
-const TORUS_PIECES: u32 = 10u;
+const TORUS_PIECES: u32 = 16u;
+
+fn is_whole(torus: Torus) -> bool {
+    let ring = torus.ring_radius;
+    let tube = torus.tube_radius;
+    let up = vec3<f32>(0.0, 0.0, 1.0);
+    let sight = select(normalize_or(torus.center, up), up, is_orthographic());
+    let open = ring * abs(dot3(torus.row_y, sight));
+    let pieces = 1.6 * 2.0 * tube * 3.1415927 * (ring + open);
+    return tube > 0.6 * ring || 4.0 * (ring + tube) * (open + tube) < pieces;
+}
 
 fn torus_rect(torus: Torus, piece: u32, near: f32) -> PlaneRect {
     let ring = torus.ring_radius;
     let tube = torus.tube_radius;
-    if tube > 0.4 * ring {
+    if is_whole(torus) {
         if piece > 0u {
             return unseen_rect();
         }
         let half = torus.row_y * tube;
         return cylinder_rect(torus.center - half, torus.center + half, torus.row_y, ring + tube, false, false, near);
     }
-    let cosine = 0.9510565;
-    let sine = 0.309017;
+    let cosine = 0.9807853;
+    let sine = 0.19509032;
     let angle = 6.2831855 / f32(TORUS_PIECES) * f32(piece);
     let outward = torus.row_x * cos(angle) + torus.row_z * sin(angle);
     let onward = torus.row_z * cos(angle) - torus.row_x * sin(angle);
