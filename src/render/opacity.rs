@@ -30,7 +30,7 @@ fn sobol_third(index: u32) -> u32 {
 #[must_use]
 pub fn sample_turn(sample_index: u32, sample_count: u32) -> (u32, u32) {
     let turns = sample_count.clamp(1, 1 << 16).next_power_of_two();
-    let turn = u64::from(sobol_third(sample_index)) * u64::from(turns) >> 32;
+    let turn = (u64::from(sobol_third(sample_index)) * u64::from(turns)) >> 32;
     (turn as u32, turns)
 }
 
