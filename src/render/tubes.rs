@@ -44,7 +44,12 @@ fn capsules(solids: &Solids) -> Vec<(Vec3, Vec3, f32, f32)> {
     let spheres = solids.spheres.par_iter().with_min_len(4096).map(|s| (s.center, Vec3::ZERO, 0.0, s.radius));
     let cylinders =
         solids.cylinders.par_iter().with_min_len(4096).map(|c| (c.center, c.axis(), c.half_length, c.radius));
-    spheres.chain(cylinders).collect()
+    let mut all: Vec<_> = spheres.chain(cylinders).collect();
+    all.extend(solids.cones.iter().map(|c| (c.center, c.axis(), c.half_length, c.radii[0].max(c.radii[1]))));
+    all.extend(solids.tori.iter().map(|t| (t.center, Vec3::ZERO, 0.0, t.ring_radius + t.tube_radius)));
+    let reach = |corners: [Vec3; 3]| corners.iter().fold(0.0, |most: f32, corner| most.max(corner.length()));
+    all.extend(solids.triangles.iter().map(|t| (t.center, Vec3::ZERO, 0.0, reach(t.corners))));
+    all
 }
 
 /// Tubes along each direction; `center` is that of the solids' space to which points will be relative.

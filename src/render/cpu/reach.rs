@@ -1,13 +1,15 @@
 //! Light from afar for sixteen points at a time: the tubes of a scene, and which of the points see the light along them.
 
+use super::intersect::primitive_t;
 use super::lanes::{LANES, Lanes, max, min, whole};
 use crate::render::frame::FrameConstants;
 use crate::render::settings::{Settings, View};
 use crate::render::sky::{Reach, Turns};
-use crate::render::solids::{Cylinder, Solids};
+use crate::render::solids::{Cylinder, Primitive, Solids};
 use crate::render::tubes::{Tubes, tubes};
-use crate::scene::Scene;
+use crate::scene::{Ray, Scene};
 use glam::{Affine3A, Vec3};
+use std::borrow::Cow;
 
 /// The tubes of a scene under one light.
 #[derive(Debug, Default)]
@@ -35,7 +37,7 @@ impl Lights {
         if sky == self.sky_of && key == self.key_of {
             return;
         }
-        let solids = Solids::new(scene, Affine3A::IDENTITY);
+        let solids = Solids::casting(scene, Affine3A::IDENTITY);
         if sky != self.sky_of {
             self.sky = Default::default(); // the old ones go first
             let turns = Turns::of_sky(sky[0], sky[1]);
@@ -51,17 +53,22 @@ impl Lights {
     }
 
     /// What the samples of a view ask.
-    pub(super) fn questions(&self, view: &View, solids: &Solids) -> Questions<'_> {
+    pub(super) fn questions<'a>(&'a self, scene: &Scene, view: &View, solids: &'a Solids) -> Questions<'a> {
         let view_from_world = view.camera.view_from_world();
         let turned = |(turns, tubes): &'_ (Turns, Vec<Tubes>)| {
             let axis = |v: Vec3| view_from_world.transform_vector3(v);
             let directions = tubes.iter().map(|t| [axis(t.right), axis(t.up), axis(t.toward)]).collect();
             (if tubes.is_empty() || solids.is_empty() { Turns::default() } else { turns.clone() }, directions)
         };
+        let casting = match solids.see_through {
+            true => Cow::Owned(Solids::casting(scene, view_from_world)),
+            false => Cow::Borrowed(solids),
+        };
         let ((sky_turns, sky_axes), (key_turns, key_axes)) = (turned(&self.sky), turned(&self.key));
         Questions {
             sky: Light { turns: sky_turns, tubes: &self.sky.1, axes: sky_axes },
             key: Light { turns: key_turns, tubes: &self.key.1, axes: key_axes },
+            solids: casting,
             center_in_view: view_from_world.transform_point3(self.center),
         }
     }
@@ -78,6 +85,8 @@ struct Light<'a> {
 pub(super) struct Questions<'a> {
     sky: Light<'a>,
     key: Light<'a>,
+    /// What may hide the light, view space: the primitives of the tubes.
+    solids: Cow<'a, Solids>,
     center_in_view: Vec3,
 }
 
@@ -95,6 +104,9 @@ pub(super) struct Points {
     /// What they were told: parts of the sky and of the key light.
     pub(super) told: [Lanes; 2],
 }
+
+/// In place of [`Points::own`]: everything may hide the light.
+pub(super) const NOBODY: u32 = u32::MAX;
 
 /// Room for asking, used again and again.
 #[derive(Debug, Default)]
@@ -128,7 +140,7 @@ impl Questions<'_> {
     /// Tells points how much of the sky and of the key light they see, as far as this sample of their pixels asks; `unasked`
     /// where nothing is asked, or all of it is behind the surface.
     #[inline(always)]
-    pub(super) fn ask(&self, solids: &Solids, asking: &mut Asking, blocks: &mut [Points], sample: u32, unasked: Reach) {
+    pub(super) fn ask(&self, asking: &mut Asking, blocks: &mut [Points], sample: u32, unasked: Reach) {
         for (kind, light, unasked) in [(0, &self.sky, unasked.open), (1, &self.key, unasked.key)] {
             asking.seen.clear();
             asking.seen.resize(blocks.len(), [0.0; LANES]);
@@ -141,7 +153,7 @@ impl Questions<'_> {
                 for (points, number) in blocks.iter().zip(0..) {
                     self.enter(tubes, axes, kind == 0, points, number, asking);
                 }
-                self.answer(tubes, axes[2], solids, asking, blocks);
+                self.answer(tubes, axes[2], asking, blocks);
             }
             for ((block, seen), all) in blocks.iter_mut().zip(&asking.seen).zip(&asking.all) {
                 let told = &mut block.told[kind];
@@ -193,7 +205,7 @@ impl Questions<'_> {
 
     /// Walks the tubes of the entries, up to [`LANES`] of one tube at a time.
     #[inline(always)]
-    fn answer(&self, tubes: &Tubes, d: Vec3, solids: &Solids, asking: &mut Asking, blocks: &[Points]) {
+    fn answer(&self, tubes: &Tubes, d: Vec3, asking: &mut Asking, blocks: &[Points]) {
         let Asking { seen, entries, first, used, .. } = asking;
         first.resize((BUCKETS * BUCKETS) as usize, NONE);
         for at in 0..entries.len() {
@@ -238,7 +250,7 @@ impl Questions<'_> {
                     free[lane] = u32::MAX;
                 }
                 let list = tubes.of(((tube >> 16) * tubes.size[0] + (tube & 0xffff)) as usize);
-                walk(list, d, low + base, solids, &starts, &mut free);
+                walk(list, d, low + base, &self.solids, &starts, &mut free);
                 for (lane, &entry) in lanes[..count].iter().enumerate() {
                     let Entry { point, weight, .. } = entries[entry as usize];
                     let sum = &mut seen[point as usize / LANES][point as usize % LANES];
@@ -264,15 +276,15 @@ type Mask = [u32; LANES];
 fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Starts, free: &mut Mask) {
     for &index in list {
         let i = index as usize;
-        let left = match i.checked_sub(solids.spheres.len()) {
-            None => {
-                let sphere = &solids.spheres[i];
+        let left = match solids.primitive(i) {
+            Primitive::Sphere(s) => {
+                let sphere = &solids.spheres[s];
                 if sphere.center.dot(d) + sphere.radius <= low {
                     break; // neither this one nor those after it reach up to the points
                 }
                 behind_sphere(sphere.center, sphere.radius, index, d, points, free)
             }
-            Some(c) => {
+            Primitive::Cylinder(c) => {
                 let cylinder = &solids.cylinders[c];
                 let cosine = cylinder.axis().dot(d);
                 if cylinder.center.dot(d) + cylinder.half_length * cosine.abs() + cylinder.radius <= low {
@@ -286,6 +298,7 @@ fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Starts, free:
                 }
                 left
             }
+            _ => behind_other(solids, index, d, points, free),
         };
         if left == 0 {
             break;
@@ -307,6 +320,21 @@ fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Starts, fre
         let hit = (away < r2) | ((along > 0.0) & (away - along * along < r2));
         let hides = hit & (points.own[lane] != index);
         free[lane] = if hides { 0 } else { free[lane] };
+        left |= free[lane];
+    }
+    left
+}
+
+/// Clears the lanes that any primitive hides the light from, one by one; bits of those that are left.
+#[inline(never)]
+fn behind_other(solids: &Solids, index: u32, d: Vec3, points: &Starts, free: &mut Mask) -> u32 {
+    let mut left = 0;
+    for lane in 0..LANES {
+        if free[lane] != 0 && points.own[lane] != index {
+            let origin = Vec3::from(points.position.map(|axis| axis[lane]));
+            let ray = Ray { origin, direction: d };
+            free[lane] = if primitive_t(&ray, solids, index as usize, 0.0).is_finite() { 0 } else { free[lane] };
+        }
         left |= free[lane];
     }
     left

@@ -91,11 +91,11 @@ fn ask(scene: &Scene, sky: &Turns, key: &Turns, points: &[(Vec3, Vec3)]) -> Vec<
         target: center,
     };
     let in_view = Solids::new(scene, camera.view_from_world());
-    let questions = lights.questions(&View::new(camera, 10, 10), &in_view);
+    let questions = lights.questions(scene, &View::new(camera, 10, 10), &in_view);
     let mut blocks: Vec<Points> = points
         .chunks(LANES)
         .map(|chunk| {
-            let mut block = Points { own: [u32::MAX; LANES], ..Points::default() };
+            let mut block = Points { own: [NOBODY; LANES], ..Points::default() };
             for (lane, (p, n)) in chunk.iter().enumerate() {
                 let start = *p - camera.eye + *n * START_OFFSET;
                 for axis in 0..3 {
@@ -107,7 +107,7 @@ fn ask(scene: &Scene, sky: &Turns, key: &Turns, points: &[(Vec3, Vec3)]) -> Vec<
             block
         })
         .collect();
-    questions.ask(&in_view, &mut Asking::default(), &mut blocks, 0, UNASKED);
+    questions.ask(&mut Asking::default(), &mut blocks, 0, UNASKED);
     let told = |i: usize| {
         let (block, lane) = (&blocks[i / LANES], i % LANES);
         Reach { open: block.told[0][lane], key: block.told[1][lane] }

@@ -7,11 +7,12 @@
 //! the rounding of the depth: 1e-4 of a stick's radius at 100 Å, less than a colour can show.
 
 use super::lanes::{LANES, Lanes, max, min};
-use super::reach::{Asking, Points, Questions};
+use super::reach::{Asking, NOBODY, Points, Questions};
 use super::shader::Shader;
 use super::tile::{Place, SIDE, Tile};
 use crate::render::frame::{Surface, shade_surface};
 use crate::render::sky::{Reach, START_OFFSET};
+use crate::render::solids::Primitive;
 use crate::scene::PixelGrid;
 use glam::Vec3;
 
@@ -88,14 +89,14 @@ impl Fact {
         let solids = shader.solids;
         let index = index as usize;
         let none = [f32::NEG_INFINITY, f32::INFINITY];
-        match index.checked_sub(solids.spheres.len()) {
-            None => {
-                let sphere = &solids.spheres[index];
-                let color = solids.sphere_looks[index].0.to_linear();
+        match solids.primitive(index) {
+            Primitive::Sphere(i) => {
+                let sphere = &solids.spheres[i];
+                let color = solids.sphere_looks[i].0.to_linear();
                 let (center, radius) = (sphere.center.to_array(), sphere.radius);
                 Fact { center, axis: [0.0; 3], radius, caps: none, ends: none, colors: [color, color] }
             }
-            Some(i) => {
+            Primitive::Cylinder(i) => {
                 let cylinder = &solids.cylinders[i];
                 let (a, b, _) = solids.cylinder_looks[i];
                 let h = cylinder.half_length;
@@ -112,6 +113,8 @@ impl Fact {
                     colors: [a.to_linear(), b.to_linear()],
                 }
             }
+            // Found one by one: see `others`.
+            _ => Fact { center: [0.0; 3], axis: [0.0; 3], radius: 1.0, caps: none, ends: none, colors: [[0.0; 3]; 2] },
         }
     }
 }
@@ -177,7 +180,7 @@ pub(super) fn add(
         }
         let (number, unasked) = (place.pass.sample[sample], shader.frame.unasked());
         let Shading { surfaces, points, asking } = shading;
-        questions.ask(shader.solids, asking, points, number, unasked);
+        questions.ask(asking, points, number, unasked);
         for (surfaces, points) in surfaces.iter().zip(points.iter()) {
             let light = light(shader, place.grid.orthographic, surfaces, points);
             let [row, column] = surfaces.place;
@@ -297,9 +300,32 @@ fn surfaces(shader: &Shader<'_>, place: &Place<'_>, samples: Samples, group: [us
             albedo[part][lane] = if is_b { facts.colors[1][part][lane] } else { facts.colors[0][part][lane] };
         }
         points.asks[lane] = if seen[lane] & !cut { 1.0 } else { 0.0 };
-        points.own[lane] = samples.index[lane];
+        points.own[lane] = if shader.solids.see_through { NOBODY } else { samples.index[lane] };
     }
+    others(shader, place, &samples, &mut points, &mut albedo);
     (Surfaces { place: group, samples, albedo }, points)
+}
+
+/// Normals and colours of what is neither ball nor stick, one by one.
+#[inline(always)]
+fn others(shader: &Shader<'_>, place: &Place<'_>, samples: &Samples, points: &mut Points, albedo: &mut [Lanes; 3]) {
+    let simple = (shader.solids.spheres.len() + shader.solids.cylinders.len()) as u32;
+    for lane in 0..LANES {
+        if samples.index[lane] < simple || !samples.seen[lane] {
+            continue;
+        }
+        let ray = place.grid.ray((samples.u[lane], samples.v[lane]));
+        let surface = shader.surface(&ray, samples.index[lane], samples.t[lane]);
+        let start = ray.origin + ray.direction * samples.t[lane] + surface.normal * START_OFFSET;
+        for part in 0..3 {
+            points.position[part][lane] = start[part];
+            points.normal[part][lane] = surface.normal[part];
+            albedo[part][lane] = surface.albedo[part];
+        }
+        if let Primitive::Torus(_) = shader.solids.primitive(samples.index[lane] as usize) {
+            points.own[lane] = NOBODY; // one side of a ring may hide the light from the other
+        }
+    }
 }
 
 /// The light of surfaces that were told what reaches them; black where there are none.

@@ -8,8 +8,6 @@
     reason = "instructions that were just found to be there, and loads whose bounds were just checked"
 )]
 
-use super::lanes::LANES;
-
 /// Something to run. `run` must be `#[inline(always)]`, and so must what it calls: what is not inlined stays at the baseline
 /// (a closure would be inlined only as the compiler sees fit).
 pub(super) trait Work {
