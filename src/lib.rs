@@ -67,12 +67,14 @@
 //!   GPU draw a depth map from each direction and compare points where their tangent plane passes a texel's centre, so that no
 //!   bias is needed. It is asked once for each primitive in each pixel; what is seen and how it is turned is found at every sample.
 //! - Ground and background are smooth and found once a pixel; what a primitive covers is found and shaded at every sample.
+//! - Labels, legend and scale bar are placed in parts of the full picture's height and drawn onto the finished picture, by the same code for both
+//!   renderers ([`render::overlay`]).
 //!
 //! # Known limits
 //!
 //! - Without hydrogens, which nitrogen of an azole carries one, and keto or enol, is guessed from lengths: about 3 % of such molecules
 //!   come out as the other form.
-//! - Outlines and labels are missing. The edges of ambient occlusion and of shadows on the molecule are as fine as a texel of the
+//! - Outlines are missing. The edges of ambient occlusion and of shadows on the molecule are as fine as a texel of the
 //!   light's depth maps: 0.02 Å for a small molecule, 0.3 Å for 100,000 atoms.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
 //! - A truncated single-frame XYZ file is refused, not shown in part.

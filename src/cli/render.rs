@@ -1,6 +1,6 @@
 //! From arguments to scene and renderer: the only module of the command line that knows them.
 
-use super::args::{LookArgs, Named, ProjectionArg, RenderArgs, RendererArgs};
+use super::args::{LabelArg, LookArgs, Named, ProjectionArg, RenderArgs, RendererArgs, TextArgs};
 use super::devices::{Adapter, Devices};
 use super::picture::{Draw, Drawing, Pixels};
 use super::values::{Altloc, Axis, Direction};
@@ -8,7 +8,9 @@ use crate::cli::args::Channel;
 use crate::crystal::Drawn;
 use crate::error::{Error, Result};
 use crate::render::{Choice, Quality, Selection, Settings, View, select};
-use crate::scene::{AltlocChoice, Background, ColorBy, Item, Orientation, Scene, SceneOptions, Style};
+use crate::scene::{
+    AltlocChoice, Background, ColorBy, Item, LabelContent, Orientation, OverlayOptions, Scene, SceneOptions, Style,
+};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 use std::time::Instant;
@@ -53,13 +55,14 @@ impl Draw for Drawer {
         let mut view = View::new(scene.fitted_camera(width as f32 / height as f32), width, height);
         view.region = args.region;
         renderer.load(scene)?;
-        let drawn = match args.channel {
+        let pixels = match args.channel {
             Channel::Color => Pixels::Image(renderer.image(&view, &settings(args))?),
             Channel::Depth | Channel::Normal | Channel::Id => Pixels::Surface(renderer.gbuffer(&view)?),
         };
         let render_seconds = started.elapsed().as_secs_f64();
-        let notices = renderer.take_notices();
-        Ok(Drawing { drawn, renderer: renderer.name(), notices, scene_seconds, render_seconds })
+        let mut notices = renderer.take_notices();
+        notices.extend(missing_labels(&args.look.text, drawn));
+        Ok(Drawing { drawn: pixels, renderer: renderer.name(), notices, scene_seconds, render_seconds })
     }
 
     fn reset(&mut self) {
@@ -93,7 +96,30 @@ pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOpt
         ground: look.has_ground(),
         background: look.background.0.map_or(Background::Transparent, Background::Color),
         haptic: look.haptic,
+        overlay: overlay_options(&look.text),
     })
+}
+
+fn overlay_options(text: &TextArgs) -> OverlayOptions {
+    let asked = |what| text.label.contains(&what);
+    OverlayOptions {
+        labels: LabelContent {
+            element: asked(LabelArg::Element),
+            index: asked(LabelArg::Index),
+            name: asked(LabelArg::Name),
+            residue: asked(LabelArg::Residue),
+        },
+        legend: text.legend,
+        scale_bar: text.scale_bar,
+        size: text.label_size,
+    }
+}
+
+/// Labels that were asked for and cannot be.
+fn missing_labels(text: &TextArgs, drawn: &[Drawn]) -> Option<String> {
+    let has_none = drawn.iter().all(|drawn| drawn.structure.residues().is_empty());
+    (text.label.contains(&LabelArg::Residue) && has_none)
+        .then(|| "--label residue has no effect: the file gives no residues".to_owned())
 }
 
 /// What the window starts with; `--axis` is that of the first structure's cell.

@@ -28,7 +28,7 @@ pub use adapter::{AdapterReport, AdapterWish, adapters};
 pub use window::WindowSurface;
 
 use super::frame::FrameConstants;
-use super::{GBuffer, Image, Renderer, Settings, View};
+use super::{GBuffer, Image, Renderer, Settings, View, overlay};
 use crate::error::{Error, Result};
 use crate::scene::{Region, Scene};
 use device::{Gpu, view_of};
@@ -233,7 +233,11 @@ impl Renderer for GpuRenderer {
             Ok(())
         })?;
         self.targets = Some(targets);
-        Ok(Image { width: region.width, height: region.height, rgba })
+        let mut image = Image { width: region.width, height: region.height, rgba };
+        if let Some(scene) = self.scene.clone() {
+            overlay::write(&mut image, &scene, view, overlay::PROBE_SIDE, |view| self.gbuffer(view))?;
+        }
+        Ok(image)
     }
 
     fn gbuffer(&mut self, view: &View) -> Result<GBuffer> {

@@ -1,0 +1,80 @@
+//! Text on a finished picture: labels, legend and scale bar, the same from both renderers.
+//!
+//! [`layout`] decides what is written where, in parts of the full picture's height, so that neither the size of the picture
+//! nor the region of it that is drawn changes anything; [`draw`] makes pixels of it, each the same whichever region it is in. What a
+//! label stands for must be seen at its anchor; that is looked up in a G-buffer of the full picture, at most
+//! [`PROBE_SIDE`] pixels wide or high.
+//!
+//! Limits: one line a label, no shaping or kerning, Latin and Greek letters (others are drawn as a box); letters end
+//! at 4096 pixels' height.
+
+mod blur;
+mod draw;
+mod font;
+mod layout;
+
+use super::{GBuffer, Image, View};
+use crate::color::Srgb8;
+use crate::error::Result;
+use crate::scene::{Background, Scene};
+
+/// Longer side in pixels of the G-buffer in which it is looked up what is seen: chosen as that of the usual picture, so that an
+/// atom wide enough for a label is many pixels wide.
+pub const PROBE_SIDE: u32 = 1920;
+
+/// Writes what the scene has to say onto its picture. `surface` draws what is seen of it; it is asked for once, if there are
+/// labels, with the longer side `probe_side`.
+///
+/// # Errors
+/// Those of `surface`.
+pub fn write(
+    image: &mut Image,
+    scene: &Scene,
+    view: &View,
+    probe_side: u32,
+    surface: impl FnOnce(&View) -> Result<GBuffer>,
+) -> Result<()> {
+    if scene.overlay.is_empty() {
+        return Ok(());
+    }
+    let probe = if scene.overlay.labels.is_empty() { None } else { Some(surface(&probe_view(view, probe_side))?) };
+    let layout = layout::Layout::new(&scene.overlay, view, probe.as_ref());
+    draw::draw(image, view, &layout, Ink::on(scene.background));
+    Ok(())
+}
+
+/// The full picture, its longer side so long.
+fn probe_view(view: &View, longer_side: u32) -> View {
+    let scale = f64::from(longer_side) / f64::from(view.width.max(view.height));
+    let side = |side: u32| (f64::from(side) * scale).round() as u32;
+    View::new(view.camera, side(view.width), side(view.height))
+}
+
+/// What text is drawn with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Ink {
+    text: Srgb8,
+    halo: Srgb8,
+}
+
+impl Ink {
+    /// Dark with a light halo where the background is light or nothing, else the reverse.
+    fn on(background: Background) -> Ink {
+        /// Relative luminance at which black and white text have the same contrast, √(1.05 · 0.05) − 0.05, by the contrast
+        /// ratio of WCAG 2.1, (L₁ + 0.05) / (L₂ + 0.05).
+        const MIDDLE: f32 = 0.179;
+        let (dark, light) = (Srgb8::rgb(24, 24, 28), Srgb8::rgb(255, 255, 255));
+        let is_light = match background {
+            Background::Transparent => true,
+            Background::Color(color) => {
+                // Rec. 709.
+                let [r, g, b] = color.to_linear();
+                0.2126 * r + 0.7152 * g + 0.0722 * b > MIDDLE
+            }
+        };
+        if is_light { Ink { text: dark, halo: light } } else { Ink { text: light, halo: dark } }
+    }
+}
+
+#[cfg(test)]
+mod tests;
