@@ -73,7 +73,9 @@ impl CpuRenderer {
         }
         // In motion, at one sample, the picture's own pixels are fine enough to find out what labels can be seen.
         let probe_side = if settings.samples > 1 { overlay::PROBE_SIDE } else { view.width.max(view.height) };
-        overlay::write(&mut image, &scene, view, probe_side, |view| Ok(tiles::gbuffer(&scene, view))).ok()?;
+        let has_labels = !scene.overlay.labels.is_empty();
+        let probe = has_labels.then(|| tiles::gbuffer(&scene, &overlay::probe_view(view, probe_side)));
+        overlay::write(&mut image, &scene, view, probe.as_ref());
         Some(image)
     }
 }

@@ -11,7 +11,7 @@ pub(super) struct Font {
 }
 
 static FONT: LazyLock<Option<Font>> = LazyLock::new(|| {
-    let font = FontRef::try_from_slice(include_bytes!("../../../data/label-font.otf")).ok()?;
+    let font = FontRef::try_from_slice(include_bytes!("../../../data/font/Inter-Medium-subset.otf")).ok()?;
     let units_per_em = font.units_per_em()?;
     let cap_height = font.outline(font.glyph_id('H'))?.bounds.height().abs() / units_per_em;
     Some(Font { font, units_per_em, cap_height })

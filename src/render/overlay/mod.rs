@@ -15,36 +15,23 @@ mod layout;
 
 use super::{GBuffer, Image, View};
 use crate::color::Srgb8;
-use crate::error::Result;
 use crate::scene::{Background, Scene};
 
 /// Longer side in pixels of the G-buffer in which it is looked up what is seen: chosen as that of the usual picture, so that an
 /// atom wide enough for a label is many pixels wide.
 pub const PROBE_SIDE: u32 = 1920;
 
-/// Writes what the scene has to say onto its picture. `surface` draws what is seen of it; it is asked for once, if there are
-/// labels, with the longer side `probe_side`.
-///
-/// # Errors
-/// Those of `surface`.
-pub fn write(
-    image: &mut Image,
-    scene: &Scene,
-    view: &View,
-    probe_side: u32,
-    surface: impl FnOnce(&View) -> Result<GBuffer>,
-) -> Result<()> {
-    if scene.overlay.is_empty() {
-        return Ok(());
+/// Writes what the scene has to say onto its picture. `probe` is what is seen by a [`probe_view`]; without it there are no labels.
+pub fn write(image: &mut Image, scene: &Scene, view: &View, probe: Option<&GBuffer>) {
+    if !scene.overlay.is_empty() {
+        let layout = layout::Layout::new(&scene.overlay, view, probe);
+        draw::draw(image, view, &layout, Ink::on(scene.background));
     }
-    let probe = if scene.overlay.labels.is_empty() { None } else { Some(surface(&probe_view(view, probe_side))?) };
-    let layout = layout::Layout::new(&scene.overlay, view, probe.as_ref());
-    draw::draw(image, view, &layout, Ink::on(scene.background));
-    Ok(())
 }
 
-/// The full picture, its longer side so long.
-fn probe_view(view: &View, longer_side: u32) -> View {
+/// The full picture of a view, its longer side so many pixels long.
+#[must_use]
+pub fn probe_view(view: &View, longer_side: u32) -> View {
     let scale = f64::from(longer_side) / f64::from(view.width.max(view.height));
     let side = |side: u32| (f64::from(side) * scale).round() as u32;
     View::new(view.camera, side(view.width), side(view.height))
