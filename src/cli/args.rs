@@ -182,7 +182,7 @@ pub struct TextArgs {
     pub label: Vec<LabelArg>,
     /// Size of all text, 0.2 to 5; at 1 capitals are 2 % of the picture's height
     #[arg(long, value_name = "X", value_parser = text_size, default_value = "1", help_heading = "Text")]
-    pub label_size: f32,
+    pub label_size: f64,
     /// Say which colour is which, in the lower left corner
     #[arg(long, help_heading = "Text")]
     pub legend: bool,

@@ -111,7 +111,7 @@ fn overlay_options(text: &TextArgs) -> OverlayOptions {
         },
         legend: text.legend,
         scale_bar: text.scale_bar,
-        size: text.label_size,
+        size: text.label_size as f32,
     }
 }
 

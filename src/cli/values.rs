@@ -181,7 +181,7 @@ pub(super) fn counted_from_1(text: &str) -> Result<NonZeroU32, String> {
 }
 
 /// The size of text.
-pub(super) fn text_size(text: &str) -> Result<f32, String> {
+pub(super) fn text_size(text: &str) -> Result<f64, String> {
     let size = text.parse().ok().filter(|size| (0.2..=5.0).contains(size));
     size.ok_or_else(|| "expected a number from 0.2 to 5; 1 is the usual size".to_owned())
 }

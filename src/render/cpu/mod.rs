@@ -72,7 +72,8 @@ impl CpuRenderer {
             return None;
         }
         // In motion, at one sample, the picture's own pixels are fine enough to find out what labels can be seen.
-        let probe_side = if settings.samples > 1 { overlay::PROBE_SIDE } else { view.width.max(view.height) };
+        let own_side = view.width.max(view.height).min(overlay::PROBE_SIDE);
+        let probe_side = if settings.samples > 1 { overlay::PROBE_SIDE } else { own_side };
         let has_labels = !scene.overlay.labels.is_empty();
         let probe = has_labels.then(|| tiles::gbuffer(&scene, &overlay::probe_view(view, probe_side)));
         overlay::write(&mut image, &scene, view, probe.as_ref());

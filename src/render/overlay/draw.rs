@@ -13,10 +13,10 @@ use crate::scene::Region;
 use rayon::prelude::*;
 
 /// Standard deviation of the soft edge in em, how much it is raised, and its opacity; chosen by eye on grey, red and blue atoms.
-const HALO_SIGMA: f64 = 0.075;
-const HALO_GAIN: f32 = 2.6;
-const HALO_OPACITY: f32 = 0.85;
-/// Letters no larger than this are drawn, in pixels to the em, so that memory has a bound.
+const HALO_SIGMA: f64 = 0.09;
+const HALO_GAIN: f32 = 3.0;
+const HALO_OPACITY: f32 = 0.9;
+/// No larger letters are drawn, in pixels to the em, so that memory has a bound: capitals of 4000 pixels.
 const MOST_PX_PER_EM: f64 = 5500.0;
 /// Pixels of lines that are prepared together.
 const BATCH: f64 = 4e6;

@@ -5,8 +5,8 @@
 //! label stands for must be seen at its anchor; that is looked up in a G-buffer of the full picture, at most
 //! [`PROBE_SIDE`] pixels wide or high.
 //!
-//! Limits: one line a label, no shaping or kerning, Latin and Greek letters (others are drawn as a box); letters end
-//! at 4096 pixels' height.
+//! Limits: one line a label, no shaping or kerning, Latin and Greek letters (others are drawn as a box); capitals end
+//! at 4000 pixels' height.
 
 mod blur;
 mod draw;
