@@ -14,9 +14,13 @@ pub(super) struct Blur {
 impl Blur {
     /// One with this standard deviation in pixels.
     pub(super) fn new(sigma_px: f64) -> Blur {
-        // A box of width w has the variance (w² − 1) / 12; PASSES of them add up.
-        let width = (12.0 * sigma_px * sigma_px / PASSES as f64 + 1.0).sqrt();
-        Blur { reach: ((width - 1.0) * 128.0) as u64 }
+        // Variances of the passes add up. A box of the pixels −m to m has m (m + 1) / 3; the rest comes from the part of the
+        // pixels m + 1 to either side that makes the variance right.
+        let variance = sigma_px * sigma_px / PASSES as f64;
+        let whole = ((0.25 + 3.0 * variance).sqrt() - 0.5).floor().max(0.0);
+        let missing = (variance - whole * (whole + 1.0) / 3.0) * (2.0 * whole + 1.0);
+        let part = missing / (2.0 * ((whole + 1.0) * (whole + 1.0) - variance));
+        Blur { reach: ((whole + part) * 256.0).round() as u64 }
     }
 
     /// Pixels beyond which nothing is felt.
