@@ -76,6 +76,7 @@
 //!   come out as the other form.
 //! - Outlines are missing. The edges of ambient occlusion and of shadows on the molecule are as fine as a texel of the
 //!   light's depth maps: 0.02 Å for a small molecule, 0.3 Å for 100,000 atoms.
+//! - In a window drawn by a GPU there are no labels while something moves.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
 //! - A truncated single-frame XYZ file is refused, not shown in part.
 //! - Symmetry is applied where the file lists its operations (CIF of small molecules, REMARK 290 of PDB), not from the name of the
