@@ -17,9 +17,9 @@ use super::{GBuffer, Image, View};
 use crate::color::Srgb8;
 use crate::scene::{Background, Scene};
 
-/// Longer side in pixels of the G-buffer in which it is looked up what is seen: chosen as that of the usual picture, so that an
-/// atom wide enough for a label is many pixels wide.
-pub const PROBE_SIDE: u32 = 1920;
+/// Longer side in pixels of the G-buffer in which it is looked up what is seen. Chosen: 10,000 atoms in a picture are still 5 pixels
+/// wide each, and a small molecule's probe costs a tenth of a second at most.
+pub const PROBE_SIDE: u32 = 1280;
 
 /// Writes what the scene has to say onto its picture. `probe` is what is seen by a [`probe_view`]; without it there are no labels.
 pub fn write(image: &mut Image, scene: &Scene, view: &View, probe: Option<&GBuffer>) {
