@@ -18,7 +18,7 @@ use crate::color::Srgb8;
 use crate::scene::{Background, Scene};
 
 /// Longer side in pixels of the G-buffer in which it is looked up what is seen. Chosen: 10,000 atoms in a picture are still 5 pixels
-/// wide each, and a small molecule's probe costs a tenth of a second at most.
+/// wide each, and a small molecule's probe costs about a tenth of a second.
 pub const PROBE_SIDE: u32 = 1280;
 
 /// Writes what the scene has to say onto its picture. `probe` is what is seen by a [`probe_view`]; without it there are no labels.
