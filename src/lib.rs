@@ -71,18 +71,21 @@
 //!   bias is needed. It is asked once for each primitive in each pixel; what is seen and how it is turned is found at every sample.
 //! - A part of a picture ([`render::View::region`]) is byte for byte what it is in the whole: large pictures are made of such parts.
 //! - Ground and background are smooth and found once a pixel; what a primitive covers is found and shaded at every sample.
+//! - Labels, legend and scale bar are placed in parts of the full picture's height and drawn onto the finished picture, by the same code for both
+//!   renderers ([`render::overlay`]).
 //!
 //! # Known limits
 //!
 //! - Without hydrogens, which nitrogen of an azole carries one, and keto or enol, is guessed from lengths: about 3 % of such molecules
 //!   come out as the other form.
-//! - Outlines and labels are missing. The edges of ambient occlusion and of shadows on the molecule are as fine as a texel of the
+//! - Outlines are missing. The edges of ambient occlusion and of shadows on the molecule are as fine as a texel of the
 //!   light's depth maps: 0.02 Å for a small molecule, 0.3 Å for 100,000 atoms.
 //! - A see-through primitive of opacity 0.5 and more throws a full shadow. See-through ones seen through one another take their
 //!   samples each by its id, so that two may show a little more or less than they would by the rules of glass; with 4 samples
 //!   there are only 4 steps of opacity.
 //! - The light's depth maps take triangles to be up to 4 texels lower where they are steep: a coarse mesh with smooth normals would
 //!   shade itself.
+//! - In a window drawn by a GPU there are no labels while something moves.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
 //! - Large pictures are drawn in strips, each of which sorts all primitives anew. JPEG and WebP are gathered in memory, 3 or 4 bytes a
 //!   pixel. If a device is lost in the middle, the CPU draws the rest of the picture, while its metadata names the device.

@@ -1,7 +1,7 @@
 //! The command line, as it is typed. Nothing here acts; names and defaults are what others script against.
 
 use super::size::{Crop, PictureSize};
-use super::values::{Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Supercell, counted_from_1};
+use super::values::{Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Supercell, counted_from_1, text_size};
 use crate::color::Srgb8;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroU32;
@@ -176,6 +176,28 @@ pub struct LookArgs {
     /// Draw one stick from a metal to the middle of a ring or double bond that it holds, not one to each atom
     #[arg(long, help_heading = "Molecule")]
     pub haptic: bool,
+    /// Text.
+    #[command(flatten)]
+    pub text: TextArgs,
+}
+
+/// What is written over the picture.
+#[derive(Debug, Clone, Args)]
+pub struct TextArgs {
+    /// Label atoms or residues, several with commas: element,index gives C12. Only what is seen is labelled, and of labels that
+    /// would overlap the nearest
+    #[arg(long, value_name = "WHAT", value_delimiter = ',', default_value = "none", help_heading = "Text")]
+    pub label: Vec<LabelArg>,
+    /// Size of all text, 0.2 to 5; at 1 capitals are 2 % of the picture's height
+    #[arg(long, value_name = "X", value_parser = text_size, default_value = "1", help_heading = "Text")]
+    pub label_size: f64,
+    /// Say which colour is which, in the lower left corner
+    #[arg(long, help_heading = "Text")]
+    pub legend: bool,
+    /// Draw a bar of a round length, in the lower right corner; in perspective it holds in the depth of the molecule's
+    /// centre
+    #[arg(long, help_heading = "Text")]
+    pub scale_bar: bool,
 }
 
 impl LookArgs {
@@ -322,6 +344,21 @@ pub enum ColorByArg {
     Residue,
 }
 
+/// `--label`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LabelArg {
+    /// The symbol of each atom's element
+    Element,
+    /// The number of each atom in its file, from 1
+    Index,
+    /// The name of each atom; where the file gives none, its element
+    Name,
+    /// Name and number of each residue, such as GLY 12
+    Residue,
+    /// Nothing
+    None,
+}
+
 /// `--projection`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ProjectionArg {
@@ -441,9 +478,15 @@ mod tests {
             "--cell=full",
             "--supercell=2x2x1",
             "--haptic",
+            "--label=element,index",
+            "--label=residue",
+            "--label-size=1.5",
+            "--legend",
+            "--scale-bar",
         ];
         let args = render(&flags).unwrap();
         assert_eq!((args.look.style.name(), args.look.has_ground()), ("space-filling".to_owned(), false));
+        assert_eq!(args.look.text.label, [LabelArg::Element, LabelArg::Index, LabelArg::Residue]);
         assert_eq!(args.look.view, Some(Direction([-1.0, 0.0, 0.0])));
         assert_eq!(render(&["--axis", "-1,1,0"]).unwrap().look.axis, Some(Axis([-1, 1, 0])));
         assert!(render(&["--no-ground", "--ground"]).unwrap().look.has_ground());
@@ -458,6 +501,9 @@ mod tests {
             &["--samples=5000"],
             &["--frame=0"],
             &["--style=cartoon"],
+            &["--label=element,colour"],
+            &["--label-size=0"],
+            &["--label-size=nan"],
             &["--view=front", "--axis=111"],
             &["--size=32769x10"],
             &["--dpi=0"],

@@ -220,6 +220,7 @@ fn settings(args: &RenderArgs, size: Size, inputs: &[&PathBuf]) -> serde_json::V
     let RenderArgs { look, select, .. } = args;
     let text = |value: Option<&dyn std::fmt::Display>| value.map(ToString::to_string);
     let inputs: Vec<_> = inputs.iter().map(|input| input.to_string_lossy()).collect();
+    let labels: Vec<_> = look.text.label.iter().map(Named::name).collect();
     serde_json::json!({
         "files": inputs,
         "size": size.to_string(),
@@ -237,6 +238,10 @@ fn settings(args: &RenderArgs, size: Size, inputs: &[&PathBuf]) -> serde_json::V
         "view": text(look.view.as_ref().map(|v| v as _)),
         "axis": text(look.axis.as_ref().map(|a| a as _)),
         "altloc": look.altloc.to_string(),
+        "label": labels.join(","),
+        "label-size": look.text.label_size,
+        "legend": look.text.legend,
+        "scale-bar": look.text.scale_bar,
         "bonds": args.bonds.bonds.name(),
         "hbonds": args.bonds.hbonds,
         "frame": select.frame,

@@ -1,6 +1,6 @@
 //! From arguments to scene and renderer: the only module of the command line that knows them.
 
-use super::args::{LookArgs, Named, ProjectionArg, RenderArgs, RendererArgs};
+use super::args::{LabelArg, LookArgs, Named, ProjectionArg, RenderArgs, RendererArgs, TextArgs};
 use super::devices::{Adapter, Devices};
 use super::picture::{Draw, Pixels};
 use super::size::Size;
@@ -9,7 +9,9 @@ use crate::cli::args::Channel;
 use crate::crystal::Drawn;
 use crate::error::{Error, Result};
 use crate::render::{Choice, Quality, Renderer, Selection, Settings, View, crop, select};
-use crate::scene::{AltlocChoice, Background, ColorBy, Item, Orientation, Scene, SceneOptions, Style};
+use crate::scene::{
+    AltlocChoice, Background, ColorBy, Item, LabelContent, Orientation, OverlayOptions, Scene, SceneOptions, Style,
+};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
@@ -22,6 +24,8 @@ pub(super) struct Drawer {
     choice: Choice,
     selection: Option<Selection>,
     loaded: Option<Loaded>,
+    /// What is to be said of the loaded structures.
+    missing: Option<String>,
 }
 
 /// The picture that is being drawn.
@@ -34,7 +38,7 @@ struct Loaded {
 impl Drawer {
     pub(super) fn new(args: RendererArgs) -> Drawer {
         let choice = Choice::from_name(&args.renderer.name()).unwrap_or_default();
-        Drawer { choice, selection: None, loaded: None }
+        Drawer { choice, selection: None, loaded: None, missing: None }
     }
 
     /// The renderer and what it has loaded, brought up to date if it was not.
@@ -65,6 +69,7 @@ impl Draw for Drawer {
         let scene = Arc::new(Scene::new(&items, &options));
         let camera = scene.fitted_camera(size.width as f32 / size.height as f32);
         let view = View::new(camera, size.width, size.height);
+        self.missing = missing_labels(&args.look.text, drawn);
         self.loaded = Some(Loaded { scene, view, settings: settings(args) });
         Ok(())
     }
@@ -88,7 +93,9 @@ impl Draw for Drawer {
     }
 
     fn notices(&mut self) -> Vec<String> {
-        self.selection.as_mut().map_or_else(Vec::new, |selection| selection.renderer.take_notices())
+        let mut notices = self.selection.as_mut().map_or_else(Vec::new, |selection| selection.renderer.take_notices());
+        notices.extend(self.missing.take());
+        notices
     }
 
     fn reset(&mut self) {
@@ -123,7 +130,30 @@ pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOpt
         ground: look.has_ground(),
         background: look.background.0.map_or(Background::Transparent, Background::Color),
         haptic: look.haptic,
+        overlay: overlay_options(&look.text),
     })
+}
+
+fn overlay_options(text: &TextArgs) -> OverlayOptions {
+    let asked = |what| text.label.contains(&what);
+    OverlayOptions {
+        labels: LabelContent {
+            element: asked(LabelArg::Element),
+            index: asked(LabelArg::Index),
+            name: asked(LabelArg::Name),
+            residue: asked(LabelArg::Residue),
+        },
+        legend: text.legend,
+        scale_bar: text.scale_bar,
+        size: text.label_size as f32,
+    }
+}
+
+/// Labels that were asked for and cannot be.
+fn missing_labels(text: &TextArgs, drawn: &[Drawn]) -> Option<String> {
+    let has_none = drawn.iter().all(|drawn| drawn.structure.residues().is_empty());
+    (text.label.contains(&LabelArg::Residue) && has_none)
+        .then(|| "--label residue has no effect: the file gives no residues".to_owned())
 }
 
 /// What the window starts with; `--axis` is that of the first structure's cell.

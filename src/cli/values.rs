@@ -132,6 +132,12 @@ pub(super) fn counted_from_1(text: &str) -> Result<NonZeroU32, String> {
     text.parse().map_err(|_| "expected a number; frames are counted from 1".to_owned())
 }
 
+/// The size of text.
+pub(super) fn text_size(text: &str) -> Result<f64, String> {
+    let size = text.parse().ok().filter(|size| (0.2..=5.0).contains(size));
+    size.ok_or_else(|| "expected a number from 0.2 to 5; 1 is the usual size".to_owned())
+}
+
 /// Which record of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordChoice {

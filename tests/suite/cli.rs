@@ -424,6 +424,24 @@ fn a_region_is_that_part_of_the_full_picture() {
 }
 
 #[test]
+fn text_is_written_and_what_cannot_be_labelled_is_said() {
+    let case = Case::new(&[("water.xyz", WATER), ("peptide.pdb", PEPTIDE)]);
+    let flags = ["--size", "96x64", "--samples", "1", "--ao", "0"];
+    let picture = |file: &str, more: &[&str]| {
+        let arguments = [&["render", file, "-o", "out.ppm", "--renderer", "cpu"], &flags[..], more].concat();
+        (case.run(&arguments).status(0).err(), fs::read(case.path("out.ppm")).unwrap())
+    };
+    let plain = picture("water.xyz", &[]);
+    assert_eq!(plain, picture("water.xyz", &["--label", "none"]));
+    for more in [&["--label", "element,index"][..], &["--label=name"], &["--legend"], &["--scale-bar"]] {
+        let (said, bytes) = picture("water.xyz", more);
+        assert!(said.is_empty() && bytes != plain.1, "{more:?}: {said}");
+    }
+    assert!(picture("water.xyz", &["--label", "residue"]).0.contains("the file gives no residues"));
+    assert_eq!(picture("peptide.pdb", &["--label", "residue"]).0, "");
+}
+
+#[test]
 fn pictures_and_channels_go_to_standard_output() {
     let case = Case::new(&[("water.xyz", WATER)]);
     let run = render(&case, &["water.xyz", "-o", "-"]).status(0);

@@ -8,7 +8,9 @@ use ballstick::import::{ImportOptions, read_path};
 use ballstick::render::cpu::CpuRenderer;
 use ballstick::render::gpu::{AdapterWish, GpuRenderer, adapters};
 use ballstick::render::{GBuffer, Image, Renderer, Settings, View};
-use ballstick::scene::{Background, Block, Item, Placement, Region, Scene, SceneOptions, Style};
+use ballstick::scene::{
+    Background, Block, Item, LabelContent, OverlayOptions, Placement, Region, Scene, SceneOptions, Style,
+};
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
 
@@ -275,6 +277,34 @@ fn gpu_and_cpu_finish_the_same_picture() {
         let case = case(name);
         judge_with(&mut gpu, name, &Arc::new(case.scene.clone()), &case.view, &FINISHED).unwrap();
     }
+}
+
+/// Where the two draw the same without text, they do with it.
+#[test]
+fn gpu_and_cpu_write_the_same_text() {
+    let Some(mut gpu) = gpu() else { return };
+    let mut cpu = CpuRenderer::new();
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/caffeine.sdf");
+    let molecule = read_path(&path, &ImportOptions::default()).unwrap().records.remove(0);
+    let labels = LabelContent { element: true, index: true, ..LabelContent::default() };
+    let overlay = OverlayOptions { labels, legend: true, scale_bar: true, ..OverlayOptions::default() };
+    let pictures = [OverlayOptions::default(), overlay].map(|overlay| {
+        let options = SceneOptions { overlay, background: Background::Transparent, ..SceneOptions::default() };
+        let scene = Arc::new(Scene::new(&[Item::of(&molecule)], &options));
+        let view = View::new(scene.fitted_camera(16.0 / 9.0), 480, 270);
+        cpu.load(Arc::clone(&scene)).unwrap();
+        gpu.load(scene).unwrap();
+        [cpu.image(&view, &SETTINGS).unwrap(), gpu.image(&view, &SETTINGS).unwrap()]
+    });
+    let [[plain_cpu, plain_gpu], [cpu, gpu]] = pictures.each_ref().map(|pair| pair.each_ref().map(|image| &image.rgba));
+    let mut written = 0;
+    for i in (0..cpu.len()).step_by(4).map(|start| start..start + 4) {
+        if plain_cpu[i.clone()] == plain_gpu[i.clone()] {
+            written += usize::from(cpu[i.clone()] != plain_cpu[i.clone()]);
+            assert_eq!(cpu[i.clone()], gpu[i.clone()], "pixel {}", i.start / 4);
+        }
+    }
+    assert!(written > 2000, "{written} pixels with text");
 }
 
 #[test]
