@@ -30,6 +30,8 @@ pub(super) struct Drawing {
     pub(super) renderer: String,
     /// What the user should know of it.
     pub(super) notices: Vec<String>,
+    /// What was chosen for the user.
+    pub(super) notes: Vec<String>,
     pub(super) scene_seconds: f64,
     pub(super) render_seconds: f64,
 }
@@ -140,6 +142,9 @@ fn one_picture(
     for notice in &drawing.notices {
         report.warn(&picture.output, notice);
     }
+    for note in &drawing.notes {
+        report.note(&picture.output, note);
+    }
     let encoding = Instant::now();
     let options = PictureOptions {
         background: args.look.solid_background(),
@@ -203,6 +208,14 @@ fn settings(args: &RenderArgs, inputs: &[&PathBuf]) -> serde_json::Value {
         "projection": look.projection.name(),
         "view": text(look.view.as_ref().map(|v| v as _)),
         "axis": text(look.axis.as_ref().map(|a| a as _)),
+        "aromatic": look.aromatic.name(),
+        "vectors": look.vectors,
+        "vector-scale": look.vector_scale,
+        "axes": look.axes,
+        "overlay": look.overlay.iter().map(|path| path.to_string_lossy()).collect::<Vec<_>>(),
+        "overlay-opacity": look.overlay_opacity,
+        "overlay-wireframe": look.overlay_wireframe,
+        "overlay-color": text(look.overlay_color.as_ref().map(|c| c as _)),
         "altloc": look.altloc.to_string(),
         "bonds": args.bonds.bonds.name(),
         "hbonds": args.bonds.hbonds,
@@ -250,6 +263,7 @@ mod tests {
                 drawn,
                 renderer: "fake".to_owned(),
                 notices: Vec::new(),
+                notes: Vec::new(),
                 scene_seconds: 0.0,
                 render_seconds: 0.0,
             })

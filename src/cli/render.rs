@@ -7,8 +7,13 @@ use super::values::{Altloc, Axis, Direction};
 use crate::cli::args::Channel;
 use crate::crystal::Drawn;
 use crate::error::{Error, Result};
+use crate::import;
 use crate::render::{Choice, Quality, Selection, Settings, View, select};
-use crate::scene::{AltlocChoice, Background, ColorBy, Item, Orientation, Scene, SceneOptions, Style};
+use crate::scene::{
+    AltlocChoice, Aromatic, Background, ColorBy, Item, Orientation, Scene, SceneOptions, Style, VectorChoice,
+    vector_scales,
+};
+use crate::structure::Mesh;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 use std::time::Instant;
@@ -21,11 +26,14 @@ const GAP: f32 = 4.0;
 pub(super) struct Drawer {
     choice: Choice,
     selection: Option<Selection>,
+    /// The meshes of `--overlay`, once they are read.
+    overlay: Option<Vec<Arc<Mesh>>>,
 }
 
 impl Drawer {
     pub(super) fn new(args: RendererArgs) -> Drawer {
-        Drawer { choice: Choice::from_name(&args.renderer.name()).unwrap_or_default(), selection: None }
+        let choice = Choice::from_name(&args.renderer.name()).unwrap_or_default();
+        Drawer { choice, selection: None, overlay: None }
     }
 }
 
@@ -33,6 +41,16 @@ impl Draw for Drawer {
     fn draw(&mut self, drawn: &[Drawn], side_by_side: bool, args: &RenderArgs) -> Result<Drawing> {
         let started = Instant::now();
         let mut options = scene_options(&args.look, drawn)?;
+        let mut notices = Vec::new();
+        if side_by_side && !args.look.overlay.is_empty() {
+            let message = "--overlay stands in the coordinates of the file, and --record all moves the records: give one --record";
+            return Err(Error::input(None, message));
+        }
+        options.overlay = match self.overlay.take() {
+            Some(read) => read,
+            None => overlay(&args.look, &mut notices)?,
+        };
+        self.overlay = Some(options.overlay.clone());
         if side_by_side && options.orientation == Orientation::Auto {
             // The automatic turn would turn the sheet and with it the order of the records.
             options.orientation = Orientation::Along { direction: Vec3::NEG_Z, up: Vec3::Y };
@@ -42,6 +60,7 @@ impl Draw for Drawer {
             .map(|(drawn, offset)| Item { offset, ..Item::drawn(drawn, args.crystal.has_box()) })
             .collect();
         let scene = Arc::new(Scene::new(&items, &options));
+        let notes = vector_notes(&items, &options);
         let scene_seconds = started.elapsed().as_secs_f64();
         let started = Instant::now();
         let selection = match self.selection.take() {
@@ -58,8 +77,8 @@ impl Draw for Drawer {
             Channel::Depth | Channel::Normal | Channel::Id => Pixels::Surface(renderer.gbuffer(&view)?),
         };
         let render_seconds = started.elapsed().as_secs_f64();
-        let notices = renderer.take_notices();
-        Ok(Drawing { drawn, renderer: renderer.name(), notices, scene_seconds, render_seconds })
+        notices.extend(renderer.take_notices());
+        Ok(Drawing { drawn, renderer: renderer.name(), notices, notes, scene_seconds, render_seconds })
     }
 
     fn reset(&mut self) {
@@ -74,8 +93,45 @@ fn settings(args: &RenderArgs) -> Settings {
     settings
 }
 
-/// The scene that the look's flags ask for; `--axis` is that of the first structure's cell.
+/// The meshes of `--overlay`; what their readers noticed goes to `notices`.
+fn overlay(look: &LookArgs, notices: &mut Vec<String>) -> Result<Vec<Arc<Mesh>>> {
+    let read = |path: &std::path::PathBuf| -> Result<Arc<Mesh>> {
+        let named = |error: Error| match error {
+            Error::Io { .. } => error,
+            other => Error::input(None, format!("--overlay {}: {other}", path.display())),
+        };
+        let (mesh, diagnostics) = import::mesh::read_path(path, &Default::default()).map_err(named)?;
+        notices.extend(diagnostics.iter().map(|diagnostic| format!("--overlay {}: {diagnostic}", path.display())));
+        Ok(Arc::new(mesh))
+    };
+    look.overlay.iter().map(read).collect()
+}
+
+/// How long vectors are drawn, where that was chosen here.
+fn vector_notes(items: &[Item<'_>], options: &SceneOptions) -> Vec<String> {
+    let note = |scale: crate::scene::VectorScale| match (scale.scale, options.vector_scale) {
+        (0.0, _) => Some(format!("{} are all zero: there is nothing to draw", scale.name)),
+        (_, Some(_)) => None,
+        (per_unit, None) => Some(format!(
+            "{} are drawn {} Å long per unit, the longest ({}) 2 Å; --vector-scale sets another length",
+            scale.name,
+            four_digits(per_unit),
+            four_digits(scale.longest)
+        )),
+    };
+    vector_scales(items, options).into_iter().filter_map(note).collect()
+}
+
+/// A number above 0 with four digits that count.
+fn four_digits(x: f64) -> String {
+    let decimals = 3 - x.log10().floor().clamp(-9.0, 9.0) as i32;
+    if (1e-4..1e6).contains(&x) { format!("{x:.*}", decimals.max(0) as usize) } else { format!("{x:.3e}") }
+}
+
+/// The scene that the look's flags ask for, without overlays; `--axis` is that of the first structure's cell.
 pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOptions> {
+    let vectors = VectorChoice::from_name(&look.vectors);
+    vectors.check(drawn.iter().map(|drawn| &drawn.structure))?;
     Ok(SceneOptions {
         style: Style::from_name(&look.style.name()).unwrap_or_default(),
         color_by: ColorBy::from_name(&look.color_by.name()).unwrap_or_default(),
@@ -93,14 +149,33 @@ pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOpt
         ground: look.has_ground(),
         background: look.background.0.map_or(Background::Transparent, Background::Color),
         haptic: look.haptic,
+        aromatic: Aromatic::from_name(&look.aromatic.name()).unwrap_or_default(),
+        vectors,
+        vector_scale: look.vector_scale,
+        axes: look.axes,
+        overlay: Vec::new(),
+        overlay_opacity: look.overlay_opacity,
+        overlay_wireframe: look.overlay_wireframe,
+        overlay_color: look.overlay_color,
     })
 }
 
 /// What the window starts with; `--axis` is that of the first structure's cell.
 #[cfg(feature = "window")]
-pub(super) fn window_options(args: &super::args::ViewArgs, drawn: &[Drawn]) -> Result<crate::app::Options> {
+pub(super) fn window_options(
+    args: &super::args::ViewArgs,
+    drawn: &[Drawn],
+    report: &super::report::Report,
+) -> Result<crate::app::Options> {
+    let mut scene = scene_options(&args.look, drawn)?;
+    let mut notices = Vec::new();
+    scene.overlay = overlay(&args.look, &mut notices)?;
+    let items: Vec<Item<'_>> = drawn.iter().map(|drawn| Item::drawn(drawn, None)).collect();
+    let file = args.files.first().map_or(std::path::Path::new("-"), std::path::PathBuf::as_path);
+    notices.iter().for_each(|notice| report.warn(file, notice));
+    vector_notes(&items, &scene).iter().for_each(|note| report.note(file, note));
     Ok(crate::app::Options {
-        scene: scene_options(&args.look, drawn)?,
+        scene,
         cell_box: args.crystal.has_box(),
         settings: Settings::default(),
         renderer: Choice::from_name(&args.renderer.renderer.name()).unwrap_or_default(),
@@ -183,7 +258,7 @@ fn adapters() -> Vec<Adapter> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::args::{CellArg, ColorByArg, QualityArg, RendererArg, StyleArg};
+    use crate::cli::args::{AromaticArg, CellArg, ColorByArg, QualityArg, RendererArg, StyleArg};
     use crate::structure::{AtomRecord, Cell, Diagnostics, StructureBuilder};
     use clap::ValueEnum;
 
@@ -194,6 +269,9 @@ mod tests {
         }
         for value in StyleArg::value_variants() {
             assert!(Style::from_name(&value.name()).is_some(), "{value:?}");
+        }
+        for value in AromaticArg::value_variants() {
+            assert!(Aromatic::from_name(&value.name()).is_some(), "{value:?}");
         }
         for value in ColorByArg::value_variants() {
             assert!(ColorBy::from_name(&value.name()).is_some(), "{value:?}");
@@ -226,6 +304,12 @@ mod tests {
         let got = down_axis(Axis([0, 0, 2]), &[cubic]).unwrap();
         assert_eq!(got, Orientation::Along { direction: Vec3::NEG_Z, up: Vec3::Y });
         assert!(down_axis(Axis([1, 1, 1]), &[structure(&[], None)]).unwrap_err().to_string().contains("--view"));
+    }
+
+    #[test]
+    fn numbers_have_four_digits() {
+        let got = [0.001_234_56, 1.0, 12_345.6, 1e-7, 0.25].map(four_digits);
+        assert_eq!(got, ["0.001235", "1.000", "12346", "1.000e-7", "0.2500"]);
     }
 
     #[test]
