@@ -7,7 +7,6 @@ use super::light::{Background, Ground};
 use super::vectors::{self, VectorChoice};
 use super::{Block, Placement, Scene, Style, block, cell_box, fit, overlay, wedges};
 use crate::color::Srgb8;
-use crate::color::Srgb8;
 use crate::crystal::{Drawn, Stub};
 use crate::math::{Aabb, direction_or};
 use crate::structure::{Cell, Mesh, Structure};
