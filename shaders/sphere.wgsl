@@ -18,11 +18,13 @@ fn vs_sphere(
 ) -> SphereVertex {
     let center = view_point(center_radius.xyz);
     let radius = center_radius.w;
-    let rect = sphere_rect(center, radius, frame.depth.z);
+    let id = placed_id(color_id.y);
+    var rect = sphere_rect(center, radius, frame.depth.z);
+    rect.seen = rect.seen && is_drawn_in_sample(id, color_id.x);
     var vertex: SphereVertex;
     vertex.position = quad_corner(rect, corner, -center.z - radius);
     vertex.ball = vec4<f32>(center, radius);
-    vertex.look = vec2<u32>(color_id.x, placed_id(color_id.y));
+    vertex.look = vec2<u32>(color_id.x, id);
     return vertex;
 }
 

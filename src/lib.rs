@@ -57,7 +57,10 @@
 //! `render::gpu` draws the same instance bytes as impostors, with WGSL twins of the Rust functions under the same names; parity tests compare ids, depth,
 //! normals and colour.
 //!
-//! - A sphere and a cylinder are intersected exactly, from a ray origin moved to the primitive ([`render::cpu::intersect`]).
+//! - Spheres, cylinders, cones, tori and triangles are intersected exactly, from a ray origin moved to the primitive
+//!   ([`render::cpu::intersect`]); a torus by a march that is safe and near the surface as fast as Newton's.
+//! - See-through primitives are drawn in as many of the samples as their opacity says, without sorting ([`render::opacity`]); below a
+//!   half they throw no shadow, hide no sky, and are not in the channels of ids, depths and normals.
 //! - Their bounds on the picture are exact for any projection, off-centre parts included ([`render::bounds`]).
 //! - The ground is lit by the scene's distance field: the key light's penumbra from the smallest `sharpness · distance / t` along the way to
 //!   the light, and the sky's part from how far the field falls short above the ground ([`render::field`]). Where one would usually march
@@ -74,6 +77,11 @@
 //!   come out as the other form.
 //! - Outlines and labels are missing. The edges of ambient occlusion and of shadows on the molecule are as fine as a texel of the
 //!   light's depth maps: 0.02 Å for a small molecule, 0.3 Å for 100,000 atoms.
+//! - A see-through primitive of opacity 0.5 and more throws a full shadow. See-through ones seen through one another take their
+//!   samples each by its id, so that two may show a little more or less than they would by the rules of glass; with 4 samples
+//!   there are only 4 steps of opacity.
+//! - The light's depth maps take triangles to be up to 4 texels lower where they are steep: a coarse mesh with smooth normals would
+//!   shade itself.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
 //! - A truncated single-frame XYZ file is refused, not shown in part.
 //! - Symmetry is applied where the file lists its operations (CIF of small molecules, REMARK 290 of PDB), not from the name of the

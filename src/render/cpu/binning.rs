@@ -1,10 +1,12 @@
 //! Which primitives may be seen in which tile: exact pixel bounds, front to back.
 
-use crate::render::bounds::{BoundsCamera, PlaneRect, cylinder_rect, sphere_rect};
+use crate::render::bounds::{
+    BoundsCamera, TORUS_PIECES, cone_rect, cylinder_rect, sphere_rect, torus_rect, triangle_rect,
+};
 use crate::render::settings::View;
-use crate::render::solids::Solids;
+use crate::render::solids::{Primitive, Solids};
 use crate::scene::Region;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 /// Pixels on a side of a tile: its depth, ids and sums stay in the first-level cache.
@@ -38,9 +40,7 @@ impl Bins {
         let tiles = [region.width.div_ceil(TILE), region.height.div_ceil(TILE)];
         let grid = view.pixel_grid();
         let camera = BoundsCamera { orthographic: grid.orthographic, near: view.camera.near };
-        let sphere_count = solids.spheres.len();
-        let to_pixels = |rect: PlaneRect| {
-            let (low, high) = rect.upright();
+        let to_pixels = |(low, high): (Vec2, Vec2)| {
             let px = |plane: f32| plane / grid.plane_per_px;
             let center = Vec2::from(grid.center_px);
             // The picture's y runs down. A sample is somewhere in its pixel, hence floor and ceil.
@@ -48,27 +48,48 @@ impl Bins {
             let (top, bottom) = (center.y - px(high.y), center.y - px(low.y));
             clip([left, top, right, bottom], region)
         };
-        let mut candidates: Vec<Candidate> = (0..solids.len())
-            .into_par_iter()
-            .with_min_len(4096)
-            .filter_map(|i| {
-                let (rect, nearest) = match i.checked_sub(sphere_count) {
-                    None => {
-                        let sphere = &solids.spheres[i];
-                        (sphere_rect(sphere.center, sphere.radius, &camera)?, -sphere.center.z - sphere.radius)
-                    }
-                    Some(c) => {
-                        let cylinder = &solids.cylinders[c];
-                        let [a, b] = cylinder.ends();
-                        let nearest = (-a.z).min(-b.z) - cylinder.radius;
-                        (cylinder_rect(a, b, cylinder.radius, cylinder.round(), &camera)?, nearest)
-                    }
-                };
-                // Rounding of a depth of this size.
-                let nearest = nearest - 1e-5 * nearest.abs();
-                Some(Candidate { index: u32::try_from(i).ok()?, nearest, pixels: to_pixels(rect)? })
-            })
-            .collect();
+        let candidate = |i: usize, nearest: f32, (low, high): (Vec2, Vec2)| {
+            // Rounding of a depth of this size.
+            let nearest = nearest - 1e-5 * nearest.abs();
+            Some(Candidate { index: u32::try_from(i).ok()?, nearest, pixels: to_pixels((low, high))? })
+        };
+        let nearest_point = |points: &[(Vec3, f32)]| {
+            points.iter().fold(f32::INFINITY, |least, (center, radius)| least.min(-center.z - radius))
+        };
+        let of = |i: usize| match solids.primitive(i) {
+            Primitive::Sphere(s) => {
+                let sphere = &solids.spheres[s];
+                let rect = sphere_rect(sphere.center, sphere.radius, &camera)?;
+                candidate(i, -sphere.center.z - sphere.radius, rect.upright())
+            }
+            Primitive::Cylinder(c) => {
+                let cylinder = &solids.cylinders[c];
+                let [a, b] = cylinder.ends();
+                let nearest = (-a.z).min(-b.z) - cylinder.radius;
+                candidate(i, nearest, cylinder_rect(a, b, cylinder.radius, cylinder.round(), &camera)?.upright())
+            }
+            Primitive::Cone(c) => {
+                let cone = &solids.cones[c];
+                let ([a, b], [radius_a, radius_b]) = (cone.ends(), cone.radii);
+                let nearest = nearest_point(&[(a, radius_a), (b, radius_b)]);
+                candidate(i, nearest, cone_rect(cone, &camera)?.upright())
+            }
+            Primitive::Torus(_) => None, // in pieces, below
+            Primitive::Triangle(t) => {
+                let triangle = &solids.triangles[t];
+                let nearest = nearest_point(&triangle.points().map(|p| (p, 0.0)));
+                candidate(i, nearest, triangle_rect(triangle, &camera)?.upright())
+            }
+        };
+        let mut candidates: Vec<Candidate> =
+            (0..solids.len()).into_par_iter().with_min_len(4096).filter_map(of).collect();
+        let first_torus = solids.spheres.len() + solids.cylinders.len() + solids.cones.len();
+        // A tile may get a torus twice, by two pieces: it is drawn in both, which changes nothing.
+        candidates.extend(solids.tori.iter().enumerate().flat_map(|(t, torus)| {
+            let nearest = -torus.bounds().max.z;
+            let pieces = (0..TORUS_PIECES).filter_map(|piece| torus_rect(torus, piece, &camera));
+            pieces.filter_map(|rect| candidate(first_torus + t, nearest, rect.upright())).collect::<Vec<_>>()
+        }));
         candidates.par_sort_unstable_by(|a, b| a.nearest.total_cmp(&b.nearest).then(a.index.cmp(&b.index)));
         let mut bins = Bins { tiles, candidates, first: Vec::new(), list: Vec::new() };
         bins.fill();

@@ -8,10 +8,11 @@
 //!
 //! Limits: edges of shadows are as fine as a texel ([`Maps::new`] says how large it is).
 
+use super::intersect::primitive_t;
 use super::simd::{Work, widest};
 use crate::render::sky::across;
-use crate::render::solids::{Cylinder, Solids, Sphere};
-use crate::scene::Scene;
+use crate::render::solids::{Cylinder, Primitive, Solids, Sphere};
+use crate::scene::{Ray, Scene};
 use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
 
@@ -25,6 +26,8 @@ const STEPS: f32 = 65_534.0;
 const LIFT: f32 = 2.0;
 /// On the way along the tangent plane to a texel's centre a point rises by no more than so many texels.
 const STEEPEST: f32 = 64.0;
+/// Triangles are lowered by so many texels at most. Chosen: steeper ones weigh little.
+const MESH_LOWERED: f32 = 4.0;
 /// Points that are asked together.
 pub(super) const LANES: usize = 8;
 
@@ -108,7 +111,7 @@ impl Maps {
             })
             .collect();
         let mut texels = vec![0u16; first];
-        let solids = Solids::new(scene, Affine3A::from_translation(-bounds.center()));
+        let solids = Solids::casting(scene, Affine3A::from_translation(-bounds.center()));
         let mut parts = Vec::with_capacity(maps.len());
         let mut rest = texels.as_mut_slice();
         for map in &maps {
@@ -237,10 +240,54 @@ impl Work for DrawMap<'_> {
                 }
             }
         }
+        let rare = self.solids.spheres.len() + self.solids.cylinders.len()..self.solids.len();
+        if !rare.is_empty() {
+            self.by_rays(rare);
+        }
     }
 }
 
 impl DrawMap<'_> {
+    /// Primitives that are few, a ray through each texel of their boxes.
+    #[inline(never)]
+    fn by_rays(&mut self, primitives: std::ops::Range<usize>) {
+        let (map, width) = (self.map, self.map.size[0] as usize);
+        let texels = self.scale.texels_per_angstrom;
+        let (scale, base) = (self.scale.steps_per_texel(), self.scale.center);
+        for index in primitives {
+            let bounds = self.solids.box_of(index);
+            let half = (bounds.max - bounds.min) * (0.5 * texels);
+            let [x, y, height] = self.place((bounds.min + bounds.max) * 0.5);
+            let [left, right] = self.span(0, x, map.right.abs().dot(half) + 1.0);
+            let [top, bottom] = self.span(1, y, map.up.abs().dot(half) + 1.0);
+            // Rays start above the primitive, in ångström.
+            let start = height / texels + map.toward.abs().dot(half) / texels + 1.0;
+            let lower = self.lower_by(index);
+            for row in top..bottom {
+                for column in left..right {
+                    let at = |place: usize, center: f32| (place as f32 + 0.5 - center) / texels;
+                    let (u, v) = (at(column, map.center[0]), at(row, map.center[1]));
+                    let origin = map.right * u + map.up * v + map.toward * start;
+                    let t = primitive_t(&Ray { origin, direction: -map.toward }, self.solids, index, 0.0);
+                    if t < f32::INFINITY {
+                        let new = whole(base + scale * ((start - t) * texels - lower)).min(65_535) as u16;
+                        let texel = &mut self.texels[row * width + column];
+                        *texel = (*texel).max(new);
+                    }
+                }
+            }
+        }
+    }
+
+    /// By how many texels a primitive is taken to be lower: a triangle by what it rises over half a texel, as the tangent plane
+    /// that a point of a mesh is compared on is that of the interpolated normal, not its own.
+    fn lower_by(&self, index: usize) -> f32 {
+        let Primitive::Triangle(i) = self.solids.primitive(index) else { return 0.0 };
+        let face = self.solids.triangles[i].face;
+        let lean = face.dot(self.map.right).abs() + face.dot(self.map.up).abs();
+        (0.5 * lean / face.dot(self.map.toward).abs().max(1e-6)).min(MESH_LOWERED)
+    }
+
     /// Texel coordinates and height, all in texels; the height from the scene's centre.
     #[inline(always)]
     fn place(&self, p: Vec3) -> [f32; 3] {

@@ -136,3 +136,90 @@ fn an_empty_scene_has_no_maps() {
     assert!(Maps::new(&scene, &sky::directions(4)).is_empty());
     assert!(Maps::new(&chain(1, 3, 5), &[]).is_empty());
 }
+
+/// Cones, rings and a coarse ball of triangles with the ball's normals, heaped up.
+fn heap(opacity: u8) -> Scene {
+    use crate::scene::{ConeInstance, TorusInstance, TriangleInstance};
+    let mut random = Random(77);
+    let color = Srgb8 { a: opacity, ..Srgb8::WHITE };
+    let mut block = Block { id_count: 100, ..Block::default() };
+    for i in 0..25 {
+        let place = |random: &mut Random| random.direction() * random.between(0.0, 3.5);
+        let a = place(&mut random);
+        let b = a + random.direction() * 1.5;
+        let [a, b] = [a, b].map(|p| p.as_vec3().to_array());
+        block.cones.push(ConeInstance { a, radius_a: 0.5, b, radius_b: 0.0, color, id: 1 + i, reserved: [0; 2] });
+        block.tori.push(TorusInstance {
+            center: place(&mut random).as_vec3().to_array(),
+            ring_radius: 0.8,
+            axis: random.direction().as_vec3().to_array(),
+            tube_radius: 0.2,
+            color,
+            id: 26 + i,
+            reserved: [0; 2],
+        });
+    }
+    let at = |row: i32, column: i32| {
+        let (up, around) = (row as f32 * std::f32::consts::PI / 12.0, column as f32 * std::f32::consts::PI / 12.0);
+        Vec3::new(up.sin() * around.cos(), up.cos(), up.sin() * around.sin())
+    };
+    for (row, column) in (0..12).flat_map(|row| (0..24).map(move |column| (row, column))) {
+        let [a, b, c, d] = [at(row, column), at(row + 1, column), at(row + 1, column + 1), at(row, column + 1)];
+        for normals in [[a, b, c], [a, c, d]] {
+            let corners = normals.map(|n| (n * 2.0).to_array());
+            let (normals, colors) = (normals.map(|n| n.to_array()), [color; 3]);
+            block.triangles.push(TriangleInstance { corners, normals, colors, id: 60, reserved: [0; 2] });
+        }
+    }
+    let placement = Placement { block: 0, world_from_block: Affine3A::IDENTITY, first_id: 0 };
+    Scene::from_blocks(vec![block], vec![placement])
+}
+
+#[test]
+fn cones_tori_and_meshes_hide_the_sky_as_rays_say() {
+    use super::super::intersect::{primitive_normal, primitive_t};
+    let (scene, directions) = (heap(255), sky::directions(64));
+    let maps = Maps::new(&scene, &directions);
+    let solids = Solids::new(&scene, Affine3A::IDENTITY);
+    let first = |ray: &Ray| {
+        let hits = (0..solids.len()).map(|index| (primitive_t(ray, &solids, index, 0.0), index));
+        hits.filter(|hit| hit.0.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let mut random = Random(12);
+    let mut pairs: [Vec<(f64, f64)>; 3] = Default::default();
+    while pairs.iter().map(Vec::len).sum::<usize>() < 600 {
+        let from = (random.direction() * 20.0).as_vec3();
+        let to = (random.direction() * random.between(0.0, 4.0)).as_vec3();
+        let ray = Ray { origin: from, direction: (to - from).normalize() };
+        let Some((t, index)) = first(&ray) else { continue };
+        let normal = primitive_normal(&ray, &solids, index, 0.0, t);
+        let p = ray.origin + ray.direction * t;
+        let mut eight = Points::default();
+        eight.set(3, p - scene.bounds().center(), normal);
+        maps.ask::<true>(&mut eight);
+        let origin = p + normal * sky::START_OFFSET;
+        let free = |direction: Vec3| first(&Ray { origin, direction }).is_none();
+        let unasked = sky::Reach { open: -1.0, key: -1.0 };
+        let want = sky::reach(normal, &directions, &[], unasked, free).open;
+        pairs[(index / 25).min(2)].push((f64::from(want), f64::from(eight.part(3))));
+    }
+    for (pairs, what) in pairs.iter().zip(["cones", "tori", "mesh"]) {
+        let mean = |part: fn(&(f64, f64)) -> f64| pairs.iter().map(part).sum::<f64>() / pairs.len() as f64;
+        println!(
+            "{what}: {} points, rms {:.4}, means {:.4} and {:.4}",
+            pairs.len(),
+            rms(pairs),
+            mean(|p| p.0),
+            mean(|p| p.1)
+        );
+        assert!(pairs.len() > 40 && rms(pairs) < 0.04, "{what}: {}", rms(pairs));
+    }
+}
+
+#[test]
+fn what_is_hardly_there_hides_no_sky() {
+    for (opacity, hides) in [(100, false), (200, true)] {
+        let maps = Maps::new(&heap(opacity), &sky::directions(16));
+        assert_eq!(maps.texels.iter().any(|&height| height > 0), hides);
+    }
+}

@@ -5,7 +5,7 @@
 //! the same [`Shader`] as in the reference. Ties in depth go to the first primitive, as there.
 
 use super::binning::{Bins, Candidate, TILE};
-use super::intersect::{cylinder_t, sphere_t};
+use super::intersect::{cone_t, cylinder_t, sphere_t, torus_t, triangle_t};
 use super::reach::{Lights, Reaches};
 use super::shader::Shader;
 use super::simd::{Work, widest};
@@ -13,7 +13,7 @@ use crate::color::Srgb8;
 use crate::render::field::GroundMap;
 use crate::render::frame::{FrameConstants, resolve};
 use crate::render::settings::sample_offset;
-use crate::render::solids::{Cylinder, Solids, Sphere};
+use crate::render::solids::{Cone, Cylinder, Primitive, Solids, Sphere, Torus, Triangle};
 use crate::render::{GBuffer, Image, Settings, View};
 use crate::scene::{PixelGrid, Ray, Region, Scene};
 use glam::{Vec3, Vec4};
@@ -55,6 +55,27 @@ impl<const PARALLEL: bool> DepthAt for Drawn<Cylinder, PARALLEL> {
     #[inline(always)]
     fn t(&self, u: f32, v: f32) -> f32 {
         cylinder_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
+    }
+}
+
+impl<const PARALLEL: bool> DepthAt for Drawn<Cone, PARALLEL> {
+    #[inline(always)]
+    fn t(&self, u: f32, v: f32) -> f32 {
+        cone_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
+    }
+}
+
+impl<const PARALLEL: bool> DepthAt for Drawn<Torus, PARALLEL> {
+    #[inline(always)]
+    fn t(&self, u: f32, v: f32) -> f32 {
+        torus_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
+    }
+}
+
+impl<const PARALLEL: bool> DepthAt for Drawn<Triangle, PARALLEL> {
+    #[inline(always)]
+    fn t(&self, u: f32, v: f32) -> f32 {
+        triangle_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
     }
 }
 
@@ -145,13 +166,14 @@ struct See<'a, 'b> {
     picture: &'a Picture<'b>,
     depth: &'a mut TileDepth,
     tile: usize,
-    offset: [f32; 2],
+    /// Index and number of all.
+    sample: [u32; 2],
 }
 
 impl Work for See<'_, '_> {
     #[inline(always)]
     fn run(self) {
-        self.picture.see_here(self.depth, self.tile, self.offset);
+        self.picture.see_here(self.depth, self.tile, self.sample);
     }
 }
 
@@ -166,14 +188,14 @@ struct Picture<'a> {
 
 impl Picture<'_> {
     /// Finds what every pixel of a tile sees in one sample.
-    fn see(&self, depth: &mut TileDepth, tile: usize, offset: [f32; 2]) {
-        widest(See { picture: self, depth, tile, offset });
+    fn see(&self, depth: &mut TileDepth, tile: usize, sample: [u32; 2]) {
+        widest(See { picture: self, depth, tile, sample });
     }
 
     #[inline(always)]
-    fn see_here(&self, depth: &mut TileDepth, tile: usize, offset: [f32; 2]) {
+    fn see_here(&self, depth: &mut TileDepth, tile: usize, [sample, samples]: [u32; 2]) {
         let (x, y) = self.corner(tile);
-        depth.restart(&self.grid, self.region.x + x, self.region.y + y, offset);
+        depth.restart(&self.grid, self.region.x + x, self.region.y + y, sample_offset(sample, samples));
         for (drawn, candidate) in self.bins.of_tile(tile).enumerate() {
             // Looking for the farthest depths costs about as much as drawing a small primitive.
             if drawn % 16 == 15 {
@@ -183,7 +205,9 @@ impl Picture<'_> {
                     break; // the rest is behind everything
                 }
             }
-            self.draw(depth, candidate, x, y);
+            if self.shader.solids.is_drawn(candidate.index as usize, sample, samples) {
+                self.draw(depth, candidate, x, y);
+            }
         }
     }
 
@@ -194,23 +218,22 @@ impl Picture<'_> {
         let rows = [top.saturating_sub(y) as usize, (bottom - y).min(TILE) as usize];
         let (solids, near) = (self.shader.solids, self.near);
         let place = ((candidate.index, candidate.nearest), columns, rows);
-        match (candidate.index as usize).checked_sub(solids.spheres.len()) {
-            None => {
-                let solid = solids.spheres[candidate.index as usize];
+        macro_rules! draw {
+            ($solid:expr) => {{
+                let solid = $solid;
                 if self.grid.orthographic {
                     depth.draw(place, Drawn::<_, true> { solid, near });
                 } else {
                     depth.draw(place, Drawn::<_, false> { solid, near });
                 }
-            }
-            Some(cylinder) => {
-                let solid = solids.cylinders[cylinder];
-                if self.grid.orthographic {
-                    depth.draw(place, Drawn::<_, true> { solid, near });
-                } else {
-                    depth.draw(place, Drawn::<_, false> { solid, near });
-                }
-            }
+            }};
+        }
+        match solids.primitive(candidate.index as usize) {
+            Primitive::Sphere(i) => draw!(solids.spheres[i]),
+            Primitive::Cylinder(i) => draw!(solids.cylinders[i]),
+            Primitive::Cone(i) => draw!(solids.cones[i]),
+            Primitive::Torus(i) => draw!(solids.tori[i]),
+            Primitive::Triangle(i) => draw!(solids.triangles[i]),
         }
     }
 
@@ -259,7 +282,7 @@ impl Picture<'_> {
         if self.bins.of_tile(tile).next().is_some() {
             let mut reaches = Reaches::new(if lights.is_empty() { 0 } else { PIXELS });
             for sample in 0..samples {
-                self.see(&mut depth, tile, sample_offset(sample, samples));
+                self.see(&mut depth, tile, [sample, samples]);
                 if !lights.is_empty() {
                     self.note(&mut reaches, &depth, tile);
                     reaches.ask(lights);
@@ -367,7 +390,7 @@ pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
             .into_par_iter()
             .map(|tile| {
                 let mut depth = Box::new(TileDepth::new());
-                picture.see(&mut depth, tile, [0.5, 0.5]);
+                picture.see(&mut depth, tile, [0, 1]);
                 depth
             })
             .collect();

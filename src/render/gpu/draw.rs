@@ -44,9 +44,11 @@ pub(super) fn cleared_depth(view: &wgpu::TextureView) -> wgpu::RenderPassDepthSt
 }
 
 impl Draw<'_> {
-    fn set_sample(&self, region: Region, offset: [f32; 2], done: u32) {
+    /// Sample `done` of `total`.
+    fn set_sample(&self, region: Region, [done, total]: [u32; 2]) {
         let (origin, size) = ([region.x, region.y], [region.width, region.height]);
-        let constants = SampleConstants { origin, size, offset, done, reserved: 0 };
+        let (offset, turn) = (sample_offset(done, total), SampleConstants::pack_turn(done, total));
+        let constants = SampleConstants { origin, size, offset, done, turn };
         self.gpu.queue.write_buffer(self.sample_buffer, 0, bytemuck::bytes_of(&constants));
     }
 
@@ -92,7 +94,7 @@ impl Draw<'_> {
     pub(super) fn samples(&self, targets: &Targets, region: Region, [first, end]: [u32; 2], total: u32) -> Result<()> {
         let mut under_way = VecDeque::new();
         for done in first..end {
-            self.set_sample(region, sample_offset(done, total), done);
+            self.set_sample(region, [done, total]);
             let from = (done % 2) as usize;
             under_way.push_back(self.gpu.submit("sample", |encoder| {
                 self.geometry(encoder, targets, region);
@@ -110,7 +112,7 @@ impl Draw<'_> {
 
     /// The surface at the pixel centres.
     pub(super) fn surface(&self, targets: &Targets, region: Region) {
-        self.set_sample(region, [0.5, 0.5], 0);
+        self.set_sample(region, [0, 1]);
         self.gpu.submit("surface", |encoder| self.geometry(encoder, targets, region));
     }
 
@@ -123,7 +125,7 @@ impl Draw<'_> {
         region: Region,
         samples: u32,
     ) -> wgpu::SubmissionIndex {
-        self.set_sample(region, [0.5, 0.5], samples);
+        self.set_sample(region, [samples, samples]);
         let group = self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("resolve"),
             layout: &self.pipelines.resolve_layout,

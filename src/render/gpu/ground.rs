@@ -9,6 +9,7 @@ use super::pipelines::Pipelines;
 use crate::error::Result;
 use crate::render::field::Field;
 use crate::render::frame::FrameConstants;
+use crate::render::solids::{Primitive, Solids};
 use crate::scene::Scene;
 use glam::Vec3;
 
@@ -155,10 +156,13 @@ impl FieldHome {
         let field = Field::new(scene);
         let hierarchy = field.hierarchy();
         let rows = |texels: usize| texels.div_ceil(FIELD_ROW as usize);
-        let most = 2 * hierarchy.order.len().max(hierarchy.boxes.len());
+        let solids = field.solids();
+        let rare = solids.cones.len() + solids.tori.len() + solids.triangles.len();
+        let most = 2 * hierarchy.boxes.len().max(hierarchy.order.len() + 2 * rare);
         let limit = gpu.limits.max_texture_dimension_2d as usize;
-        // Node numbers below 2^31 and levels as the shader's table holds them.
-        if rows(most) > limit || hierarchy.levels.len() > 17 || FIELD_ROW as usize > limit {
+        // Node numbers below 2^31, texel numbers that f32 holds, and levels as the shader's table holds them.
+        let is_too_large = rows(most) > limit || (rare > 0 && most > 1 << 24);
+        if is_too_large || hierarchy.levels.len() > 17 || FIELD_ROW as usize > limit {
             return FieldHome::Host(Box::new(field));
         }
         let mut levels = [0; 20];
@@ -166,27 +170,9 @@ impl FieldHome {
         let counts = [hierarchy.depth() as u32, hierarchy.order.len() as u32, 0, 0];
         let constants = FieldConstants { levels, counts };
         let constants = gpu.buffer("field", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(&constants));
-        let pair = |a: Vec3, aw: f32, b: Vec3, bw: f32| [a.extend(aw).to_array(), b.extend(bw).to_array()];
         let boxes = texels(gpu, "field boxes", hierarchy.boxes.iter().map(|b| pair(b.min, 0.0, b.max, 0.0)));
-        let solids = field.solids();
-        // The packing that shaders/field.wgsl describes.
-        let primitives = hierarchy.order.iter().map(|&index| {
-            let index = index as usize;
-            match index.checked_sub(solids.spheres.len()) {
-                None => {
-                    let sphere = &solids.spheres[index];
-                    pair(sphere.center, -sphere.radius, Vec3::ZERO, 0.0)
-                }
-                Some(i) => {
-                    let stick = &solids.cylinders[i];
-                    let signed = |length: f32, round: bool| if round { -length } else { length };
-                    let [round_a, round_b] = stick.round();
-                    let (radius, half) = (signed(stick.radius, round_a), signed(stick.half_length, round_b));
-                    pair(stick.center, radius, stick.axis(), half)
-                }
-            }
-        });
-        let primitives = texels(gpu, "field primitives", primitives);
+        let primitives = packed(solids, &hierarchy.order);
+        let primitives = texels(gpu, "field primitives", primitives.into_iter());
         let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("field"),
             layout: &pipelines.field_layout,
@@ -198,6 +184,57 @@ impl FieldHome {
         });
         FieldHome::Device { group }
     }
+}
+
+fn pair(a: Vec3, aw: f32, b: Vec3, bw: f32) -> [[f32; 4]; 2] {
+    [a.extend(aw).to_array(), b.extend(bw).to_array()]
+}
+
+/// Twin of `RARE` in shaders/distance.wgsl.
+const RARE: f32 = 1e30;
+
+/// Pairs of texels of all primitives in the hierarchy's order, then what the rare ones take more of: the packing that
+/// shaders/field.wgsl and shaders/distance.wgsl describe.
+fn packed(solids: &Solids, order: &[u32]) -> Vec<[[f32; 4]; 2]> {
+    let mut pairs = Vec::with_capacity(order.len());
+    let mut rest: Vec<[[f32; 4]; 2]> = Vec::new();
+    for &index in order {
+        let mut more = |kind: u32, center: Vec3, [a, b, c]: [[f32; 4]; 3]| {
+            let first = 2 * (order.len() + rest.len());
+            rest.extend([[a, b], [c, [0.0; 4]]]);
+            pair(center, kind as f32 * RARE, Vec3::X * first as f32, 0.0)
+        };
+        pairs.push(match solids.primitive(index as usize) {
+            Primitive::Sphere(i) => {
+                let sphere = &solids.spheres[i];
+                pair(sphere.center, -sphere.radius, Vec3::ZERO, 0.0)
+            }
+            Primitive::Cylinder(i) => {
+                let stick = &solids.cylinders[i];
+                let signed = |length: f32, round: bool| if round { -length } else { length };
+                let [round_a, round_b] = stick.round();
+                let (radius, half) = (signed(stick.radius, round_a), signed(stick.half_length, round_b));
+                pair(stick.center, radius, stick.axis(), half)
+            }
+            Primitive::Cone(i) => {
+                let cone = &solids.cones[i];
+                let [a, b] = cone.radii;
+                let axis = cone.axis().extend(cone.half_length).to_array();
+                more(1, cone.center, [axis, [a, b, 0.0, 0.0], [0.0; 4]])
+            }
+            Primitive::Torus(i) => {
+                let torus = &solids.tori[i];
+                let axis = torus.axis().extend(torus.ring_radius).to_array();
+                more(2, torus.center, [axis, [torus.tube_radius, 0.0, 0.0, 0.0], [0.0; 4]])
+            }
+            Primitive::Triangle(i) => {
+                let triangle = &solids.triangles[i];
+                more(3, triangle.center, triangle.corners.map(|corner| corner.extend(0.0).to_array()))
+            }
+        });
+    }
+    pairs.extend(rest);
+    pairs
 }
 
 /// A texture of pairs of texels, row by row.

@@ -2,12 +2,13 @@
 
 use super::device::Gpu;
 use super::layout::{
-    CYLINDER_ATTRIBUTES, DEPTH_FORMAT, FRAME_BYTES, FieldConstants, GROUND_FORMAT, HEIGHT_FORMAT, IMAGE_FORMAT,
-    PlacementConstants, SPHERE_ATTRIBUTES, SUM_FORMAT, SURFACE_FORMAT, SampleConstants,
+    CONE_ATTRIBUTES, CYLINDER_ATTRIBUTES, DEPTH_FORMAT, FRAME_BYTES, FieldConstants, GROUND_FORMAT, HEIGHT_FORMAT,
+    IMAGE_FORMAT, KINDS, PlacementConstants, SPHERE_ATTRIBUTES, SUM_FORMAT, SURFACE_FORMAT, SampleConstants,
+    TORUS_ATTRIBUTES, TRIANGLE_ATTRIBUTES,
 };
 use super::shaders;
 use crate::error::Result;
-use crate::scene::{CylinderInstance, SphereInstance};
+use crate::scene::{ConeInstance, CylinderInstance, SphereInstance, TorusInstance, TriangleInstance};
 use std::num::NonZeroU64;
 
 /// Immutable for the life of the device.
@@ -25,10 +26,10 @@ pub(super) struct Pipelines {
     pub(super) field_layout: wgpu::BindGroupLayout,
     /// Group 2 of the shade pass: the maps of the sky and of the key light, and their directions.
     pub(super) sky_layout: wgpu::BindGroupLayout,
-    /// Surfaces of spheres and cylinders.
-    pub(super) surfaces: [wgpu::RenderPipeline; 2],
-    /// Heights of spheres and cylinders, for a light's map.
-    pub(super) heights: [wgpu::RenderPipeline; 2],
+    /// Surfaces of each kind of primitive.
+    pub(super) surfaces: [wgpu::RenderPipeline; KINDS],
+    /// Heights of each, for a light's map.
+    pub(super) heights: [wgpu::RenderPipeline; KINDS],
     pub(super) ground_map: wgpu::RenderPipeline,
     pub(super) shade: wgpu::RenderPipeline,
     pub(super) resolve: wgpu::RenderPipeline,
@@ -91,22 +92,21 @@ impl Pipelines {
         };
         let sky_layout = layout("sky", &[layers(0), texture(1, floats), layers(2), texture(3, floats)]);
 
-        let sphere_module = module(gpu, "sphere.wgsl")?;
-        let cylinder_module = module(gpu, "cylinder.wgsl")?;
-        let sphere_buffer = wgpu::VertexBufferLayout {
-            array_stride: size_of::<SphereInstance>() as u64,
+        let instances = |array_stride: usize, attributes: &'static [wgpu::VertexAttribute]| wgpu::VertexBufferLayout {
+            array_stride: array_stride as u64,
             step_mode: wgpu::VertexStepMode::Instance,
-            attributes: &SPHERE_ATTRIBUTES,
+            attributes,
         };
-        let cylinder_buffer = wgpu::VertexBufferLayout {
-            array_stride: size_of::<CylinderInstance>() as u64,
-            step_mode: wgpu::VertexStepMode::Instance,
-            attributes: &CYLINDER_ATTRIBUTES,
-        };
+        let kinds = [
+            ("sphere", module(gpu, "sphere.wgsl")?, instances(size_of::<SphereInstance>(), &SPHERE_ATTRIBUTES)),
+            ("cylinder", module(gpu, "cylinder.wgsl")?, instances(size_of::<CylinderInstance>(), &CYLINDER_ATTRIBUTES)),
+            ("cone", module(gpu, "cone.wgsl")?, instances(size_of::<ConeInstance>(), &CONE_ATTRIBUTES)),
+            ("torus", module(gpu, "torus.wgsl")?, instances(size_of::<TorusInstance>(), &TORUS_ATTRIBUTES)),
+            ("triangle", module(gpu, "triangle.wgsl")?, instances(size_of::<TriangleInstance>(), &TRIANGLE_ATTRIBUTES)),
+        ];
         let groups = [&frame_layout, &placement_layout];
         let solids = |what: &str, format| {
-            let kinds = [("sphere", &sphere_module, &sphere_buffer), ("cylinder", &cylinder_module, &cylinder_buffer)];
-            kinds.map(|(kind, module, buffer)| {
+            kinds.each_ref().map(|(kind, module, buffer)| {
                 let entries = [format!("vs_{kind}"), format!("fs_{kind}{what}")];
                 pipeline(gpu, kind, module, [&entries[0], &entries[1]], Some(buffer.clone()), format, &groups)
             })

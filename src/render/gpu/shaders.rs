@@ -17,7 +17,9 @@ pub const FILES: &[(&str, &str)] = embed![
     "bounds.wgsl",
     "color.wgsl",
     "common.wgsl",
+    "cone.wgsl",
     "cylinder.wgsl",
+    "distance.wgsl",
     "field.wgsl",
     "fullscreen.wgsl",
     "geometry.wgsl",
@@ -29,11 +31,23 @@ pub const FILES: &[(&str, &str)] = embed![
     "shade_pass.wgsl",
     "sky.wgsl",
     "sphere.wgsl",
+    "torus.wgsl",
+    "trapezoid.wgsl",
+    "triangle.wgsl",
     "unpack.wgsl",
 ];
 
 /// The files that hold entry points, each of them a module.
-pub const MODULES: &[&str] = &["sphere.wgsl", "cylinder.wgsl", "ground_map.wgsl", "shade_pass.wgsl", "resolve.wgsl"];
+pub const MODULES: &[&str] = &[
+    "sphere.wgsl",
+    "cylinder.wgsl",
+    "cone.wgsl",
+    "torus.wgsl",
+    "triangle.wgsl",
+    "ground_map.wgsl",
+    "shade_pass.wgsl",
+    "resolve.wgsl",
+];
 
 /// The text of an embedded file with its imports pasted in.
 ///

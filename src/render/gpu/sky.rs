@@ -133,7 +133,7 @@ impl Sky {
                 let settings = Settings { ground_texels: 16, ..Settings::default() };
                 let frame = FrameConstants::new(scene, &View::new(camera, side, side), &settings);
                 let (origin, size) = ([0, 0], [side, side]);
-                let sample = SampleConstants { origin, size, offset: [0.5, 0.5], done: 0, reserved: 0 };
+                let sample = SampleConstants { origin, size, offset: [0.5, 0.5], done: 0, turn: 0 };
                 gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
                 gpu.queue.write_buffer(&self.sample, 0, bytemuck::bytes_of(&sample));
                 instances.place(gpu, scene, camera.view_from_world());
