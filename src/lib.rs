@@ -37,9 +37,9 @@
 //! |---|---|
 //! | [`math`], [`color`], [`element`], [`error`] | geometry, the only sRGB conversion, the element table, errors by whose fault they are |
 //! | [`structure`] | the molecular model: structure of arrays, immutable once built |
-//! | [`import`], [`bonds`] | bytes to structures, never guessing a bond; structures to bonds, never reading a file |
+//! | [`import`], [`bonds`] | bytes to structures (and triangle meshes, [`import::mesh`]), never guessing a bond; structures to bonds, never reading a file |
 //! | [`crystal`] | which copies of a periodic structure's atoms are drawn: whole molecules, cells, supercells |
-//! | [`scene`] | blocks of primitives × placements, styles, colours, camera, light, ground; knows no renderer |
+//! | [`scene`] | blocks of primitives × placements, styles, colours, arrows, overlays, camera, light, ground; knows no renderer |
 //! | [`render`] | the definition of the picture ([`render::frame`]), the CPU renderer, the wgpu renderer, and the choice between them |
 //! | [`export`] | picture files, structure files, atomic writes |
 //! | [`cli`], `app` | the commands, the window; no chemistry |
@@ -98,6 +98,8 @@
 //! - Formal charges of metals are not told, nor those of acids and amines whose hydrogens a file leaves out. Nitrides and carbenes on
 //!   metals have single bonds or dashes.
 //! - Dative bonds do not keep which atom gives the pair.
+//! - Of meshes neither textures nor, in glTF, sparse accessors, compression, skins and morph targets are read; polygons of OBJ files are
+//!   fans, so that concave ones come out wrong. Vectors do not turn with symmetry operations: no format that states them has any.
 
 #[cfg(feature = "window")]
 pub mod app;

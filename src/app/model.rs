@@ -28,7 +28,7 @@ impl Model {
     pub(super) fn new(files: Vec<PathBuf>, drawn: Vec<Drawn>, options: &Options) -> Model {
         let scene = build(&drawn, options.cell_box, &options.scene);
         let camera = scene.fitted_camera(1.6);
-        let (cell_box, options) = (options.cell_box, options.scene);
+        let (cell_box, options) = (options.cell_box, options.scene.clone());
         Model { files, drawn, cell_box, options, scene, camera, fitted: true, size_px: [1, 1] }
     }
 

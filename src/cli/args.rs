@@ -1,7 +1,10 @@
 //! The command line, as it is typed. Nothing here acts; names and defaults are what others script against.
 
 use super::size::{Crop, PictureSize};
-use super::values::{Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Supercell, counted_from_1, text_size};
+use super::values::{
+    Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Supercell, color, counted_from_1, opacity, positive,
+    text_size,
+};
 use crate::color::Srgb8;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroU32;
@@ -176,6 +179,31 @@ pub struct LookArgs {
     /// Draw one stick from a metal to the middle of a ring or double bond that it holds, not one to each atom
     #[arg(long, help_heading = "Molecule")]
     pub haptic: bool,
+    /// How aromatic bonds look
+    #[arg(long, value_name = "HOW", default_value = "ring", help_heading = "Look")]
+    pub aromatic: AromaticArg,
+    /// Draw vectors of the file (forces, velocities) as arrows on the atoms: the name of a field, auto for all, or none
+    #[arg(long, value_name = "NAME", default_value = "none", help_heading = "Look")]
+    pub vectors: String,
+    /// Ångström that one unit of the vectors is long [default: such that the longest is 2 Å]
+    #[arg(long, value_name = "X", value_parser = positive, help_heading = "Look")]
+    pub vector_scale: Option<f32>,
+    /// Show the directions of the axes: x red, y green, z blue; a, b, c where there is a unit cell
+    #[arg(long, help_heading = "Look")]
+    pub axes: bool,
+    /// Lay a triangle mesh (OBJ, glTF, GLB) over the molecule, in ångström and the coordinates of its file; may be given
+    /// several times
+    #[arg(long, value_name = "FILE", help_heading = "Overlay")]
+    pub overlay: Vec<PathBuf>,
+    /// Opacity of overlays, 0 to 1, times their own
+    #[arg(long, value_name = "X", value_parser = opacity, requires = "overlay", help_heading = "Overlay")]
+    pub overlay_opacity: Option<f32>,
+    /// Draw the edges of overlays, not their triangles
+    #[arg(long, requires = "overlay", help_heading = "Overlay")]
+    pub overlay_wireframe: bool,
+    /// Colour of overlays, #rrggbb or a name, in place of their own
+    #[arg(long, value_name = "COLOR", value_parser = color, requires = "overlay", help_heading = "Overlay")]
+    pub overlay_color: Option<Srgb8>,
     /// Text.
     #[command(flatten)]
     pub text: TextArgs,
@@ -359,6 +387,17 @@ pub enum LabelArg {
     None,
 }
 
+/// `--aromatic`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum AromaticArg {
+    /// Single sticks and a thin ring inside each flat ring
+    Ring,
+    /// A stick and a dashed one inside the ring
+    Dashes,
+    /// Single and double bonds of one Kekulé form
+    Kekule,
+}
+
 /// `--projection`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ProjectionArg {
@@ -483,6 +522,15 @@ mod tests {
             "--label-size=1.5",
             "--legend",
             "--scale-bar",
+            "--aromatic=dashes",
+            "--vectors=forces",
+            "--vector-scale=0.5",
+            "--axes",
+            "--overlay=a.obj",
+            "--overlay=b.glb",
+            "--overlay-opacity=0.5",
+            "--overlay-wireframe",
+            "--overlay-color=steelblue",
         ];
         let args = render(&flags).unwrap();
         assert_eq!((args.look.style.name(), args.look.has_ground()), ("space-filling".to_owned(), false));
@@ -504,6 +552,10 @@ mod tests {
             &["--label=element,colour"],
             &["--label-size=0"],
             &["--label-size=nan"],
+            &["--aromatic=circle"],
+            &["--vector-scale=0"],
+            &["--overlay=a.obj", "--overlay-opacity=1.5"],
+            &["--overlay-wireframe"],
             &["--view=front", "--axis=111"],
             &["--size=32769x10"],
             &["--dpi=0"],

@@ -43,6 +43,11 @@ pub(super) trait Draw {
     /// What the user should know since the last call.
     fn notices(&mut self) -> Vec<String>;
 
+    /// What was chosen for the user.
+    fn notes(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Forgets what a panic may have left half done.
     fn reset(&mut self);
 }
@@ -177,6 +182,9 @@ fn one_picture(
     for notice in draw.notices() {
         report.warn(&picture.output, &notice);
     }
+    for note in draw.notes() {
+        report.note(&picture.output, &note);
+    }
     let written = written?;
     let timings = Timings {
         output: picture.output.to_string_lossy().into_owned(),
@@ -237,6 +245,14 @@ fn settings(args: &RenderArgs, size: Size, inputs: &[&PathBuf]) -> serde_json::V
         "projection": look.projection.name(),
         "view": text(look.view.as_ref().map(|v| v as _)),
         "axis": text(look.axis.as_ref().map(|a| a as _)),
+        "aromatic": look.aromatic.name(),
+        "vectors": look.vectors,
+        "vector-scale": look.vector_scale,
+        "axes": look.axes,
+        "overlay": look.overlay.iter().map(|path| path.to_string_lossy()).collect::<Vec<_>>(),
+        "overlay-opacity": look.overlay_opacity,
+        "overlay-wireframe": look.overlay_wireframe,
+        "overlay-color": text(look.overlay_color.as_ref().map(|c| c as _)),
         "altloc": look.altloc.to_string(),
         "label": labels.join(","),
         "label-size": look.text.label_size,

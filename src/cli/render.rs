@@ -8,10 +8,13 @@ use super::values::{Altloc, Axis, Direction, Region};
 use crate::cli::args::Channel;
 use crate::crystal::Drawn;
 use crate::error::{Error, Result};
+use crate::import;
 use crate::render::{Choice, Quality, Renderer, Selection, Settings, View, crop, select};
 use crate::scene::{
-    AltlocChoice, Background, ColorBy, Item, LabelContent, Orientation, OverlayOptions, Scene, SceneOptions, Style,
+    AltlocChoice, Aromatic, Background, ColorBy, Item, LabelContent, Orientation, OverlayOptions, Scene, SceneOptions,
+    Style, VectorChoice, vector_scales,
 };
+use crate::structure::Mesh;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
@@ -26,6 +29,11 @@ pub(super) struct Drawer {
     loaded: Option<Loaded>,
     /// What is to be said of the loaded structures.
     missing: Option<String>,
+    /// The meshes of `--overlay`, once they are read, and what is to be said of them.
+    meshes: Option<Vec<Arc<Mesh>>>,
+    notices: Vec<String>,
+    /// What was chosen for the user.
+    notes: Vec<String>,
 }
 
 /// The picture that is being drawn.
@@ -38,7 +46,15 @@ struct Loaded {
 impl Drawer {
     pub(super) fn new(args: RendererArgs) -> Drawer {
         let choice = Choice::from_name(&args.renderer.name()).unwrap_or_default();
-        Drawer { choice, selection: None, loaded: None, missing: None }
+        Drawer {
+            choice,
+            selection: None,
+            loaded: None,
+            missing: None,
+            meshes: None,
+            notices: Vec::new(),
+            notes: Vec::new(),
+        }
     }
 
     /// The renderer and what it has loaded, brought up to date if it was not.
@@ -57,6 +73,15 @@ impl Drawer {
 impl Draw for Drawer {
     fn load(&mut self, drawn: &[Drawn], side_by_side: bool, args: &RenderArgs, size: Size) -> Result<()> {
         let mut options = scene_options(&args.look, drawn)?;
+        if side_by_side && !args.look.overlay.is_empty() {
+            let message = "--overlay stands in the coordinates of the file, and --record all moves the records: give one --record";
+            return Err(Error::input(None, message));
+        }
+        options.overlay = match self.meshes.take() {
+            Some(read) => read,
+            None => overlay(&args.look, &mut self.notices)?,
+        };
+        self.meshes = Some(options.overlay.clone());
         if side_by_side && options.orientation == Orientation::Auto {
             // The automatic turn would turn the sheet and with it the order of the records.
             options.orientation = Orientation::Along { direction: Vec3::NEG_Z, up: Vec3::Y };
@@ -69,6 +94,7 @@ impl Draw for Drawer {
         let scene = Arc::new(Scene::new(&items, &options));
         let camera = scene.fitted_camera(size.width as f32 / size.height as f32);
         let view = View::new(camera, size.width, size.height);
+        self.notes = vector_notes(&items, &options);
         self.missing = missing_labels(&args.look.text, drawn);
         self.loaded = Some(Loaded { scene, view, settings: settings(args) });
         Ok(())
@@ -94,8 +120,13 @@ impl Draw for Drawer {
 
     fn notices(&mut self) -> Vec<String> {
         let mut notices = self.selection.as_mut().map_or_else(Vec::new, |selection| selection.renderer.take_notices());
+        notices.append(&mut self.notices);
         notices.extend(self.missing.take());
         notices
+    }
+
+    fn notes(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notes)
     }
 
     fn reset(&mut self) {
@@ -111,8 +142,45 @@ fn settings(args: &RenderArgs) -> Settings {
     settings
 }
 
-/// The scene that the look's flags ask for; `--axis` is that of the first structure's cell.
+/// The meshes of `--overlay`; what their readers noticed goes to `notices`.
+fn overlay(look: &LookArgs, notices: &mut Vec<String>) -> Result<Vec<Arc<Mesh>>> {
+    let read = |path: &std::path::PathBuf| -> Result<Arc<Mesh>> {
+        let named = |error: Error| match error {
+            Error::Io { .. } => error,
+            other => Error::input(None, format!("--overlay {}: {other}", path.display())),
+        };
+        let (mesh, diagnostics) = import::mesh::read_path(path, &Default::default()).map_err(named)?;
+        notices.extend(diagnostics.iter().map(|diagnostic| format!("--overlay {}: {diagnostic}", path.display())));
+        Ok(Arc::new(mesh))
+    };
+    look.overlay.iter().map(read).collect()
+}
+
+/// How long vectors are drawn, where that was chosen here.
+fn vector_notes(items: &[Item<'_>], options: &SceneOptions) -> Vec<String> {
+    let note = |scale: crate::scene::VectorScale| match (scale.scale, options.vector_scale) {
+        (0.0, _) => Some(format!("{} are all zero: there is nothing to draw", scale.name)),
+        (_, Some(_)) => None,
+        (per_unit, None) => Some(format!(
+            "{} are drawn {} Å long per unit, the longest ({}) 2 Å; --vector-scale sets another length",
+            scale.name,
+            four_digits(per_unit),
+            four_digits(scale.longest)
+        )),
+    };
+    vector_scales(items, options).into_iter().filter_map(note).collect()
+}
+
+/// A number above 0 with four digits that count.
+fn four_digits(x: f64) -> String {
+    let decimals = 3 - x.log10().floor().clamp(-9.0, 9.0) as i32;
+    if (1e-4..1e6).contains(&x) { format!("{x:.*}", decimals.max(0) as usize) } else { format!("{x:.3e}") }
+}
+
+/// The scene that the look's flags ask for, without overlays; `--axis` is that of the first structure's cell.
 pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOptions> {
+    let vectors = VectorChoice::from_name(&look.vectors);
+    vectors.check(drawn.iter().map(|drawn| &drawn.structure))?;
     Ok(SceneOptions {
         style: Style::from_name(&look.style.name()).unwrap_or_default(),
         color_by: ColorBy::from_name(&look.color_by.name()).unwrap_or_default(),
@@ -130,11 +198,19 @@ pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOpt
         ground: look.has_ground(),
         background: look.background.0.map_or(Background::Transparent, Background::Color),
         haptic: look.haptic,
-        overlay: overlay_options(&look.text),
+        text: text_options(&look.text),
+        aromatic: Aromatic::from_name(&look.aromatic.name()).unwrap_or_default(),
+        vectors,
+        vector_scale: look.vector_scale,
+        axes: look.axes,
+        overlay: Vec::new(),
+        overlay_opacity: look.overlay_opacity,
+        overlay_wireframe: look.overlay_wireframe,
+        overlay_color: look.overlay_color,
     })
 }
 
-fn overlay_options(text: &TextArgs) -> OverlayOptions {
+fn text_options(text: &TextArgs) -> OverlayOptions {
     let asked = |what| text.label.contains(&what);
     OverlayOptions {
         labels: LabelContent {
@@ -158,9 +234,20 @@ fn missing_labels(text: &TextArgs, drawn: &[Drawn]) -> Option<String> {
 
 /// What the window starts with; `--axis` is that of the first structure's cell.
 #[cfg(feature = "window")]
-pub(super) fn window_options(args: &super::args::ViewArgs, drawn: &[Drawn]) -> Result<crate::app::Options> {
+pub(super) fn window_options(
+    args: &super::args::ViewArgs,
+    drawn: &[Drawn],
+    report: &super::report::Report,
+) -> Result<crate::app::Options> {
+    let mut scene = scene_options(&args.look, drawn)?;
+    let mut notices = Vec::new();
+    scene.overlay = overlay(&args.look, &mut notices)?;
+    let items: Vec<Item<'_>> = drawn.iter().map(|drawn| Item::drawn(drawn, None)).collect();
+    let file = args.files.first().map_or(std::path::Path::new("-"), std::path::PathBuf::as_path);
+    notices.iter().for_each(|notice| report.warn(file, notice));
+    vector_notes(&items, &scene).iter().for_each(|note| report.note(file, note));
     Ok(crate::app::Options {
-        scene: scene_options(&args.look, drawn)?,
+        scene,
         cell_box: args.crystal.has_box(),
         settings: Settings::default(),
         renderer: Choice::from_name(&args.renderer.renderer.name()).unwrap_or_default(),
@@ -243,7 +330,7 @@ fn adapters() -> Vec<Adapter> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::args::{CellArg, ColorByArg, QualityArg, RendererArg, StyleArg};
+    use crate::cli::args::{AromaticArg, CellArg, ColorByArg, QualityArg, RendererArg, StyleArg};
     use crate::structure::{AtomRecord, Cell, Diagnostics, StructureBuilder};
     use clap::ValueEnum;
 
@@ -254,6 +341,9 @@ mod tests {
         }
         for value in StyleArg::value_variants() {
             assert!(Style::from_name(&value.name()).is_some(), "{value:?}");
+        }
+        for value in AromaticArg::value_variants() {
+            assert!(Aromatic::from_name(&value.name()).is_some(), "{value:?}");
         }
         for value in ColorByArg::value_variants() {
             assert!(ColorBy::from_name(&value.name()).is_some(), "{value:?}");
@@ -286,6 +376,12 @@ mod tests {
         let got = down_axis(Axis([0, 0, 2]), &[cubic]).unwrap();
         assert_eq!(got, Orientation::Along { direction: Vec3::NEG_Z, up: Vec3::Y });
         assert!(down_axis(Axis([1, 1, 1]), &[structure(&[], None)]).unwrap_err().to_string().contains("--view"));
+    }
+
+    #[test]
+    fn numbers_have_four_digits() {
+        let got = [0.001_234_56, 1.0, 12_345.6, 1e-7, 0.25].map(four_digits);
+        assert_eq!(got, ["0.001235", "1.000", "12346", "1.000e-7", "0.2500"]);
     }
 
     #[test]

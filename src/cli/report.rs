@@ -25,6 +25,11 @@ impl Report {
         self.line(&format!("ballstick: {}: warning: {message}", path.display()));
     }
 
+    /// Something that is worth knowing and no loss.
+    pub(super) fn note(&self, path: &Path, message: &str) {
+        self.line(&format!("ballstick: {}: note: {message}", path.display()));
+    }
+
     /// What a reader noticed.
     pub(super) fn diagnostic(&self, path: &Path, diagnostic: &Diagnostic) {
         self.line(&format!("ballstick: {}: {diagnostic}", path.display()));

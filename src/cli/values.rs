@@ -138,6 +138,23 @@ pub(super) fn text_size(text: &str) -> Result<f64, String> {
     size.ok_or_else(|| "expected a number from 0.2 to 5; 1 is the usual size".to_owned())
 }
 
+/// A finite number above 0.
+pub(super) fn positive(text: &str) -> Result<f32, String> {
+    let number = text.trim().parse().ok().filter(|&x: &f32| x.is_finite() && x > 0.0);
+    number.ok_or_else(|| "expected a number above 0, such as 0.5".to_owned())
+}
+
+/// A number from 0 to 1.
+pub(super) fn opacity(text: &str) -> Result<f32, String> {
+    let number = text.trim().parse().ok().filter(|x: &f32| (0.0..=1.0).contains(x));
+    number.ok_or_else(|| "expected a number from 0 (invisible) to 1 (opaque), such as 0.5".to_owned())
+}
+
+/// A colour.
+pub(super) fn color(text: &str) -> Result<crate::color::Srgb8, String> {
+    crate::color::Srgb8::parse(text).ok_or_else(|| "expected #rrggbb, #rgb, or a name such as steelblue".to_owned())
+}
+
 /// Which record of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordChoice {
@@ -281,6 +298,19 @@ pub(super) mod tests {
             ],
             &["", "0,0,0", "000", "11", "1111", "1--10", "11-", "a11", "1,2,9999", "1,1,99999999999"],
         );
+    }
+
+    #[test]
+    fn numbers_with_bounds_and_colours() {
+        assert_eq!((positive("0.5"), opacity("0"), opacity("1")), (Ok(0.5), Ok(0.0), Ok(1.0)));
+        for text in ["0", "-1", "nan", "inf", "", "x"] {
+            assert!(positive(text).is_err(), "{text}");
+        }
+        for text in ["-0.1", "1.01", "nan", "", "50%"] {
+            assert!(opacity(text).is_err(), "{text}");
+        }
+        assert_eq!(color("#f00"), Ok(Srgb8::rgb(255, 0, 0)));
+        assert!(color("reddish").is_err());
     }
 
     #[test]

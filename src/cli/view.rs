@@ -23,7 +23,7 @@ pub(super) fn run(args: ViewArgs, report: &Report) -> Result<(), String> {
     if drawn.is_empty() {
         return Ok(()); // said above, file by file
     }
-    let options = super::render::window_options(&args, &drawn);
+    let options = super::render::window_options(&args, &drawn, report);
     if let Err(error) = options.and_then(|options| crate::app::run(files, drawn, options)) {
         report.fail_with(&error.to_string());
     }

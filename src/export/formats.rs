@@ -218,7 +218,7 @@ impl Part {
             Part::Isotopes => any(&|i| structure.isotope(i) != 0 && !is_heavy_hydrogen(structure, i)),
             Part::Radicals => any(&|i| structure.radical(i) != 0),
             Part::Secondary => !structure.secondary().is_empty(),
-            Part::Vectors => !structure.vectors().is_empty(),
+            Part::Vectors => structure.frames().iter().any(|frame| !frame.vectors.is_empty()),
             Part::Properties => !structure.properties().is_empty(),
         }
     }

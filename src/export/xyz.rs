@@ -74,7 +74,7 @@ pub fn write_extended(records: &[Structure], out: &mut dyn Write) -> io::Result<
 fn write_frames(records: &[Structure], extended: bool, out: &mut dyn Write) -> io::Result<()> {
     for structure in records {
         for (index, frame) in structure.frames().iter().enumerate() {
-            let columns = if extended { Columns::of(structure, index == 0) } else { Columns::default() };
+            let columns = if extended { Columns::of(structure, frame) } else { Columns::default() };
             let pairs = if extended && index == 0 { structure.properties() } else { &[] };
             write_frame(structure, frame, &columns, pairs, extended, out)?;
         }
@@ -90,9 +90,8 @@ struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    fn of(structure: &'a Structure, is_first_frame: bool) -> Columns<'a> {
-        let vectors = if is_first_frame { structure.vectors() } else { &[] };
-        Columns { charges: Part::PartialCharges.is_in(structure), vectors }
+    fn of(structure: &Structure, frame: &'a Frame) -> Columns<'a> {
+        Columns { charges: Part::PartialCharges.is_in(structure), vectors: &frame.vectors }
     }
 }
 

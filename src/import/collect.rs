@@ -82,7 +82,7 @@ impl Records {
     }
 
     /// Adds a model or frame: a further frame of the last record if that has the same atoms, else a new record.
-    /// What a further frame says beside positions, cell and title (bonds, charges, vectors) is the first one's.
+    /// What a further frame says beside positions, cell, title and vectors (bonds, charges) is the first one's.
     /// Returns the index of the record; `None` if it is left out, being one too many.
     pub(super) fn push_frame(&mut self, structure: Structure) -> Option<usize> {
         match self.list.last_mut() {

@@ -3,6 +3,8 @@
 //! Way of a file: bytes → decompression (`decompress`) → text (byte order mark, UTF-16, line ends: `text`) → format
 //! by content, then by extension (`detect`) → the format's reader → records and frames (`collect`).
 //!
+//! Triangle meshes, which are no molecules, have a way of their own: [`mesh`].
+//!
 //! Readers never guess bonds: they hand on those the file states and say whether the list is whole. They are lenient
 //! in layout and strict in values: what cannot be read is left out, with a diagnostic that names the line. An
 //! [`Error`] is returned only where no molecule can be had, or a limit would be passed.
@@ -20,6 +22,7 @@ mod detect;
 mod file;
 mod gro;
 mod json;
+pub mod mesh;
 mod mol2;
 mod number;
 mod pdb;
@@ -60,6 +63,8 @@ pub struct Limits {
     pub line_bytes: usize,
     /// Levels of arrays and objects in a JSON file. Default: 64; more than 127 is as 127.
     pub json_depth: usize,
+    /// Triangles of a mesh, and a third of its vertices. Default: 10,000,000 (a gigabyte when they are drawn).
+    pub triangles: usize,
 }
 
 impl Default for Limits {
@@ -71,6 +76,7 @@ impl Default for Limits {
             records: 250_000,
             line_bytes: 1 << 20,
             json_depth: 64,
+            triangles: 10_000_000,
         }
     }
 }

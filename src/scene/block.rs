@@ -1,13 +1,16 @@
 //! The balls and sticks of one structure: which atoms are drawn, how large, and what their bonds look like.
 
+use super::aromatic::{self, Aromatic};
 use super::dashes::{dashes, is_dashed};
 use super::haptic;
 use super::instances::{Cap, CylinderInstance, SphereInstance};
+use super::shapes::ConeInstance;
 use super::sticks::{self, StickContext};
+use super::wedges::{self, Wedge};
 use super::{AltlocChoice, Block, Item, SceneOptions, Style};
 use crate::color::Srgb8;
 use crate::crystal::Stub;
-use crate::structure::{Bond, BondKind, ByAtom, Structure, atom_flags};
+use crate::structure::{Bond, BondKind, BondOrder, ByAtom, Structure, atom_flags};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -47,6 +50,7 @@ pub(super) fn build(item: &Item<'_>, options: &SceneOptions) -> Block {
         .collect();
     let artist = Artist {
         style: options.style,
+        aromatic: options.aromatic,
         positions,
         colors: &colors,
         neighbours: &neighbours,
@@ -57,29 +61,51 @@ pub(super) fn build(item: &Item<'_>, options: &SceneOptions) -> Block {
     let in_group: std::collections::HashSet<u32> =
         groups.iter().flat_map(|group| group.bonds.iter().copied()).collect();
     let id_of_bond = |index: u32| last.saturating_add(index).saturating_add(1);
+    let rings = match options.style.stick_radius(BondKind::Covalent) {
+        Some(stick) if options.aromatic == Aromatic::Ring => {
+            // Half of a stick of a double bond.
+            let tube = 0.3 * stick.min(options.style.multiple_radius());
+            aromatic::rings(structure, &colors, [stick, tube], is_drawn, id_of_bond)
+        }
+        _ => aromatic::Rings::default(),
+    };
+    let mut wedges = wedges::wedges(structure);
+    wedges.retain(|&index, _| {
+        let bond = &structure.bonds()[index as usize];
+        is_drawn(bond) && bond.order == BondOrder::Single && bond.kind == BondKind::Covalent && !bond.aromatic
+    });
     let mut cylinders: Vec<CylinderInstance> = (structure.bonds().par_iter().enumerate())
         .with_min_len(4096)
-        .filter(|(index, bond)| is_drawn(bond) && !in_group.contains(&(*index as u32)))
+        .map(|(index, bond)| (index as u32, bond))
+        .filter(|(index, bond)| is_drawn(bond) && !in_group.contains(index) && !wedges.contains_key(index))
         .flat_map_iter(|(index, bond)| {
             let mut sticks = Vec::new();
-            artist.bond(bond, id_of_bond(index as u32), |stick| sticks.push(stick));
+            artist.bond(bond, rings.has(index), id_of_bond(index), |stick| sticks.push(stick));
             sticks
         })
         .collect();
     for group in &groups {
         artist.haptic(group, id_of_bond(group.bonds[0]), |stick| cylinders.push(stick));
     }
+    let mut cones = Vec::new();
+    let mut marked: Vec<_> = wedges.into_iter().collect();
+    marked.sort_unstable_by_key(|&(index, _)| index);
+    for (index, wedge) in marked {
+        let bond = &structure.bonds()[index as usize];
+        artist.wedge(bond, wedge, id_of_bond(index), &mut cones, &mut cylinders);
+    }
     let bond_count = u32::try_from(structure.bonds().len()).unwrap_or(u32::MAX);
     for (index, stub) in stubs.iter().enumerate() {
         artist.stub(stub, id_of_bond(bond_count.saturating_add(index as u32)), |stick| cylinders.push(stick));
     }
     let id_count = last.saturating_add(bond_count).saturating_add(u32::try_from(stubs.len()).unwrap_or(u32::MAX));
-    Block { spheres, cylinders, id_count, ..Block::default() }
+    Block { spheres, cylinders, cones, tori: rings.tori, id_count, ..Block::default() }
 }
 
 /// Draws bonds.
 struct Artist<'a> {
     style: Style,
+    aromatic: Aromatic,
     positions: &'a [Vec3],
     colors: &'a [Srgb8],
     neighbours: &'a ByAtom<u32>,
@@ -89,8 +115,43 @@ struct Artist<'a> {
 }
 
 impl Artist<'_> {
-    fn bond(&self, bond: &Bond, id: u32, push: impl FnMut(CylinderInstance)) {
-        self.between(bond, self.positions[bond.b as usize], id, push);
+    /// `has_ring` says that a ring shows that the bond is aromatic.
+    fn bond(&self, bond: &Bond, has_ring: bool, id: u32, push: impl FnMut(CylinderInstance)) {
+        self.between(&self.aromatic.as_drawn(bond, has_ring), self.positions[bond.b as usize], id, push);
+    }
+
+    /// A bond towards or away from the viewer.
+    fn wedge(
+        &self,
+        bond: &Bond,
+        wedge: Wedge,
+        id: u32,
+        cones: &mut Vec<ConeInstance>,
+        cylinders: &mut Vec<CylinderInstance>,
+    ) {
+        let Some(radius) = self.style.stick_radius(BondKind::Covalent) else { return };
+        let (narrow, wide) = if wedge.from == bond.b { (bond.b, bond.a) } else { (bond.a, bond.b) };
+        let [from, to] = [narrow, wide].map(|atom| self.positions[atom as usize]);
+        let wide_radius = wedges::wide_radius(self.style, radius);
+        let length = from.distance(to);
+        // As far as the balls hide the ends; no more than leaves something between them.
+        let hidden = |atom: u32, own: f32| {
+            let ball = (self.ball_radius)(atom);
+            (0.9 * (ball * ball - own * own).max(0.0).sqrt()).min(0.45 * length) / length
+        };
+        if length.is_nan() || length < 1e-6 {
+            return;
+        }
+        let ends = [from.lerp(to, hidden(narrow, 0.0)), to.lerp(from, hidden(wide, wide_radius))];
+        let template = CylinderInstance {
+            id,
+            radius,
+            color_a: self.colors[narrow as usize],
+            color_b: self.colors[wide as usize],
+            ..bytemuck::Zeroable::zeroed()
+        };
+        let push_disc = |disc| cylinders.push(disc);
+        wedges::draw(ends, wide_radius, wedge.is_hashed, template, |cone| cones.push(cone), push_disc);
     }
 
     /// Whether a bond is drawn as dashes. Those of a lattice that coordination alone holds together are sticks.
@@ -158,7 +219,8 @@ impl Artist<'_> {
         if self.is_dashes(&stub.bond) {
             return self.dashed_stub(&stub.bond, start, along, [length, face], id, push);
         }
-        self.between(&stub.bond, start + vector, id, |stick| {
+        // The ring that a cut bond is in is not whole.
+        self.between(&self.aromatic.as_drawn(&stub.bond, false), start + vector, id, |stick| {
             let [from, to] = [stick.a, stick.b].map(|p| (Vec3::from(p) - start).dot(along));
             if from >= face {
                 return;

@@ -1,12 +1,16 @@
 //! Builds a [`Scene`] from structures: where they stand, the turn and the ground.
 
+use super::aromatic::Aromatic;
+use super::axes::{self, Axes};
 use super::coloring::ColorBy;
 use super::light::{Background, Ground};
 use super::overlay::{self, OverlayOptions};
-use super::{Block, Placement, Scene, Style, block, cell_box, fit};
+use super::vectors::{self, VectorChoice};
+use super::{Block, Placement, Scene, Style, block, cell_box, fit, meshes, wedges};
+use crate::color::Srgb8;
 use crate::crystal::{Drawn, Stub};
 use crate::math::{Aabb, direction_or};
-use crate::structure::{Cell, Structure};
+use crate::structure::{Cell, Mesh, Structure};
 use glam::{Affine3A, DVec3, Mat3, Quat, Vec3};
 use std::sync::Arc;
 
@@ -78,7 +82,7 @@ pub enum Orientation {
 }
 
 /// What to build.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SceneOptions {
     /// Representation. Default: ball-and-stick.
     pub style: Style,
@@ -98,7 +102,23 @@ pub struct SceneOptions {
     /// atom. Default: false.
     pub haptic: bool,
     /// What is written over the picture. Default: nothing.
-    pub overlay: OverlayOptions,
+    pub text: OverlayOptions,
+    /// How aromatic bonds look. Default: a ring in each ring.
+    pub aromatic: Aromatic,
+    /// Which vectors on atoms are drawn as arrows. Default: none.
+    pub vectors: VectorChoice,
+    /// Ångström that one unit of these is long; `None` makes the longest of each field 2 Å. Default: `None`.
+    pub vector_scale: Option<f32>,
+    /// Whether arrows show the directions of the axes. Default: false.
+    pub axes: bool,
+    /// Meshes that are drawn with the molecules, in the coordinates of their files. Default: none.
+    pub overlay: Vec<Arc<Mesh>>,
+    /// Opacity of the meshes, 0 to 1, by which their own is multiplied. Default: `None`, their own.
+    pub overlay_opacity: Option<f32>,
+    /// Whether the edges of the meshes are drawn in place of their triangles. Default: false.
+    pub overlay_wireframe: bool,
+    /// Colour of the meshes. Default: `None`, their own.
+    pub overlay_color: Option<Srgb8>,
 }
 
 impl Default for SceneOptions {
@@ -112,7 +132,15 @@ impl Default for SceneOptions {
             ground: true,
             background: Background::default(),
             haptic: false,
-            overlay: OverlayOptions::default(),
+            text: OverlayOptions::default(),
+            aromatic: Aromatic::default(),
+            vectors: VectorChoice::default(),
+            vector_scale: None,
+            axes: false,
+            overlay: Vec::new(),
+            overlay_opacity: None,
+            overlay_wireframe: false,
+            overlay_color: None,
         }
     }
 }
@@ -134,13 +162,19 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
         blocks.len() - 1
     };
     let mut places = Vec::with_capacity(items.len());
+    let scales = vectors::vector_scales(items, options);
     for item in items {
         let shift = item.structure.positions().origin() - center + item.offset.as_dvec3();
-        places.push((item, place(block::build(item, options), shift)));
+        let mut block = block::build(item, options);
+        vectors::draw(&mut block, item.structure, options, &scales);
+        places.push((item, place(block, shift)));
         if let Some(cell) = item.cell_box {
             let corner = -item.structure.positions().origin().as_vec3();
             place(cell_box::block(cell, corner), shift);
         }
+    }
+    for mesh in &options.overlay {
+        place(meshes::block(mesh, center, options), DVec3::ZERO);
     }
     let mut scene = Scene::from_blocks(blocks, placements);
     let (turn, pitch) = match options.orientation {
@@ -150,6 +184,12 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
             let cell = items.iter().find_map(|item| item.cell_box);
             let turn = match cell.filter(|_| !fit::is_flat(centers(), turn)) {
                 Some(cell) => fit::cell_rotation(cell.vectors().map(|vector| vector.as_vec3())),
+                // From behind, wedges would say the opposite.
+                None if (turn * Vec3::Z).z < 0.0
+                    && items.iter().any(|item| !wedges::wedges(item.structure).is_empty()) =>
+                {
+                    Quat::from_rotation_y(std::f32::consts::PI) * turn
+                }
                 None => turn,
             };
             (turn, fit::PITCH_RAD)
@@ -165,12 +205,41 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
         placement.world_from_block = Affine3A::from_quat(turn) * placement.world_from_block;
     }
     scene.bounds = scene.find_bounds();
+    if options.axes {
+        add_axes(&mut scene, items, center, turn, next_id);
+    }
     scene.world_from_view = Quat::from_rotation_x(-pitch);
     scene.perspective = options.perspective;
     scene.background = options.background;
     scene.set_ground(options.ground);
-    scene.overlay = Arc::new(overlay::build(&scene, &places, &options.overlay, options.color_by));
+    scene.overlay = Arc::new(overlay::build(&scene, &places, &options.text, options.color_by));
     scene
+}
+
+/// Adds the arrows along the axes: at the corner of the first cell that is drawn, else beside everything.
+fn add_axes(scene: &mut Scene, items: &[Item<'_>], center: DVec3, turn: Quat, first_id: u32) {
+    if scene.bounds.is_empty() {
+        return;
+    }
+    let boxed = items.iter().find_map(|item| Some((item.cell_box?, item.offset)));
+    let cell = boxed.map(|(cell, _)| cell).or(items.iter().find_map(|item| item.structure.cell()));
+    let (vectors, names) = match cell {
+        Some(cell) => (cell.vectors().map(|vector| vector.as_vec3()), ["a", "b", "c"]),
+        None => ([Vec3::X, Vec3::Y, Vec3::Z], ["x", "y", "z"]),
+    };
+    let directions = axes::directions(vectors.map(|vector| turn * vector));
+    let (origin, length) = match boxed {
+        Some((cell, offset)) => {
+            let shortest = cell.lengths().into_iter().fold(f64::INFINITY, f64::min) as f32;
+            (turn * (offset - center.as_vec3()), axes::length(scene.bounds).min(0.5 * shortest))
+        }
+        None => (axes::beside(scene.bounds, directions), axes::length(scene.bounds)),
+    };
+    let blocks = Arc::make_mut(&mut scene.blocks);
+    blocks.push(axes::block(origin, directions, length));
+    scene.placements.push(Placement { block: blocks.len() - 1, world_from_block: Affine3A::IDENTITY, first_id });
+    scene.axes = Some(Axes { origin, tips: directions.map(|direction| origin + direction * length), names });
+    scene.bounds = scene.find_bounds();
 }
 
 /// The middle of the box around all atoms.
@@ -226,6 +295,56 @@ mod tests {
             assert!(scene.blocks[0].cylinders.iter().all(|stick| stick.id == 4));
             assert!(scene.bounds().center().length() < 0.5, "scenes are centred");
             assert!(scene.ground.is_some_and(|ground| ground.height < scene.bounds().min.y));
+        }
+    }
+
+    /// Atoms, whether there is a cell of 4 × 5 × 6 Å, and whether it is drawn.
+    fn with_axes(cell: Option<bool>) -> (Scene, Scene) {
+        let mut builder = StructureBuilder::new();
+        for position in [DVec3::new(1.0, 0.0, 0.0), DVec3::new(9.0, 0.5, 0.0), DVec3::new(3.0, 4.0, 2.0)] {
+            builder.push_atom(&AtomRecord { element: Element::O, position, ..AtomRecord::default() });
+        }
+        let cell_box = Cell::from_parameters([4.0, 5.0, 6.0], [90.0, 90.0, 110.0]);
+        builder.set_cell(cell_box.filter(|_| cell.is_some()));
+        let structure = builder.build(&mut Diagnostics::default());
+        let cell_box = cell_box.as_ref().filter(|_| cell == Some(true));
+        let item = Item { cell_box, ..Item::of(&structure) };
+        let scene = |axes| Scene::new(&[item], &SceneOptions { axes, ..SceneOptions::default() });
+        (scene(false), scene(true))
+    }
+
+    #[test]
+    fn axes_stand_left_of_everything_and_turn_with_the_molecule() {
+        for cell in [None, Some(false)] {
+            let (bare, scene) = with_axes(cell);
+            let axes = scene.axes.unwrap();
+            assert_eq!(axes.names, if cell.is_some() { ["a", "b", "c"] } else { ["x", "y", "z"] });
+            let block = &scene.blocks[scene.blocks.len() - 1];
+            assert_eq!((block.cones.len(), block.cylinders.len(), block.id_count), (3, 3, 3));
+            for (cone, tip) in block.cones.iter().zip(axes.tips) {
+                assert!((Vec3::from(cone.b) - tip).length() < 1e-5);
+                assert!(cone.bounds().max.x < bare.bounds().min.x && cone.bounds().min.y > bare.bounds().min.y - 1e-4);
+            }
+            // From the first atom to the second is nearly along the first axis.
+            let at = |atom: usize| {
+                scene.placements[0].world_from_block.transform_point3(scene.blocks[0].spheres[atom].center.into())
+            };
+            let along = (at(1) - at(0)).normalize();
+            assert!(along.dot((axes.tips[0] - axes.origin).normalize()) > 0.99);
+            assert!(scene.bounds().min.x < bare.bounds().min.x && bare.axes.is_none());
+        }
+    }
+
+    #[test]
+    fn axes_of_a_drawn_cell_stand_at_its_corner() {
+        let (_, scene) = with_axes(Some(true));
+        let axes = scene.axes.unwrap();
+        let edges = &scene.blocks[1].cylinders;
+        for (axis, tip) in axes.tips.into_iter().enumerate() {
+            let edge = edges.iter().find(|edge| edge.color_a == cell_box::AXES[axis]).unwrap();
+            let [from, to] = [edge.a, edge.b].map(|p| scene.placements[1].world_from_block.transform_point3(p.into()));
+            assert!((from - axes.origin).length() < 1e-4);
+            assert!((to - from).normalize().dot((tip - axes.origin).normalize()) > 0.999_99);
         }
     }
 

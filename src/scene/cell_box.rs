@@ -10,7 +10,8 @@ use glam::{DVec3, Vec3};
 /// still seen in the picture of a large box.
 const RADIUS: (f64, f64, f64) = (0.0015, 0.02, 0.15);
 const GREY: Srgb8 = Srgb8::rgb(110, 110, 110);
-const AXES: [Srgb8; 3] = [Srgb8::rgb(200, 40, 40), Srgb8::rgb(40, 150, 40), Srgb8::rgb(50, 80, 210)];
+/// Colours of **a**, **b** and **c**, and of x, y and z.
+pub(super) const AXES: [Srgb8; 3] = [Srgb8::rgb(200, 40, 40), Srgb8::rgb(40, 150, 40), Srgb8::rgb(50, 80, 210)];
 
 /// The twelve edges of a cell whose corner is at `corner`; all have the id 1.
 pub(super) fn block(cell: &Cell, corner: Vec3) -> Block {

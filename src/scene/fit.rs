@@ -80,7 +80,7 @@ pub fn cell_rotation([a, b, c]: [Vec3; 3]) -> Quat {
 const YAW_RAD: f32 = 0.436_332;
 
 /// Eigenvalues and unit eigenvectors of a symmetric matrix, by cyclic Jacobi rotations.
-fn eigen_symmetric(matrix: DMat3) -> ([f64; 3], [DVec3; 3]) {
+pub(super) fn eigen_symmetric(matrix: DMat3) -> ([f64; 3], [DVec3; 3]) {
     let mut m = matrix.to_cols_array_2d();
     let mut v = DMat3::IDENTITY.to_cols_array_2d(); // v[k] is the k-th vector
     for _ in 0..32 {

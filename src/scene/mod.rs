@@ -3,6 +3,9 @@
 //! A [`Scene`] is blocks of primitives × placements (rigid transforms), so that assemblies, symmetry mates and
 //! supercells draw one copy many times; a plain molecule is one block placed once. Nothing here knows how it is drawn.
 
+mod aromatic;
+mod arrows;
+mod axes;
 mod block;
 mod build;
 mod camera;
@@ -10,14 +13,20 @@ mod cell_box;
 mod coloring;
 mod dashes;
 pub mod fit;
+mod halo;
 mod haptic;
 mod instances;
 mod light;
+mod meshes;
 mod overlay;
 mod shapes;
 mod sticks;
 mod style;
+mod vectors;
+mod wedges;
 
+pub use aromatic::Aromatic;
+pub use axes::Axes;
 pub use build::{AltlocChoice, Item, Orientation, SceneOptions};
 pub use camera::{Camera, PixelGrid, Projection, Ray, Region};
 pub use coloring::ColorBy;
@@ -26,6 +35,7 @@ pub use light::{Background, Ground, Lighting};
 pub use overlay::{Label, LabelContent, LegendRow, Overlay, OverlayOptions};
 pub use shapes::{ConeInstance, TorusInstance, TriangleInstance};
 pub use style::Style;
+pub use vectors::{VectorChoice, VectorScale, vector_scales};
 
 use crate::math::Aabb;
 use glam::{Affine3A, Quat, Vec3};
@@ -78,6 +88,8 @@ pub struct Scene {
     pub world_from_view: Quat,
     /// Whether the default camera is a perspective one.
     pub perspective: bool,
+    /// The arrows along the axes, if there are any.
+    pub axes: Option<Axes>,
     bounds: Aabb,
 }
 
@@ -111,6 +123,7 @@ impl Scene {
             overlay: Arc::default(),
             world_from_view: Quat::IDENTITY,
             perspective: true,
+            axes: None,
             bounds: Aabb::EMPTY,
         };
         scene.bounds = scene.find_bounds();
@@ -145,7 +158,8 @@ impl Scene {
         })
     }
 
-    /// What has to be in the picture: all spheres, and the ends of sticks in blocks that are nothing but sticks.
+    /// What has to be in the picture: all spheres, cones and triangles, and sticks and tori in blocks without spheres (else they
+    /// are between the balls).
     fn world_extent(&self) -> impl Iterator<Item = (Vec3, f32)> + Clone {
         let bare = |placement: &&Placement| self.blocks[placement.block].spheres.is_empty();
         let ends = self.placements.iter().filter(bare).flat_map(|placement| {
@@ -153,7 +167,21 @@ impl Scene {
                 [stick.a, stick.b].map(|end| (placement.world_from_block.transform_point3(end.into()), stick.radius))
             })
         });
-        self.world_spheres().chain(ends)
+        let rings = self.placements.iter().filter(bare).flat_map(|placement| {
+            self.blocks[placement.block].tori.iter().map(|torus| {
+                let center = placement.world_from_block.transform_point3(torus.center.into());
+                (center, torus.ring_radius + torus.tube_radius)
+            })
+        });
+        let shapes = self.placements.iter().flat_map(|placement| {
+            let block = &self.blocks[placement.block];
+            let cones = block.cones.iter().flat_map(|cone| [(cone.a, cone.radius_a), (cone.b, cone.radius_b)]);
+            let corners = block.triangles.iter().flat_map(|triangle| triangle.corners.map(|corner| (corner, 0.0)));
+            cones
+                .chain(corners)
+                .map(|(point, radius)| (placement.world_from_block.transform_point3(point.into()), radius))
+        });
+        self.world_spheres().chain(ends).chain(rings).chain(shapes)
     }
 
     /// The default camera for a picture of this shape (width / height): everything in it, the broadest side to the viewer.

@@ -2,8 +2,10 @@
 //!
 //! A bond outside rings has its sticks side by side; a double or aromatic bond of a ring (up to
 //! [`MAX_RING`] atoms) keeps one stick on the axis and gets a thinner, shorter one on the ring's inner side.
+//! Where a bond is to be drawn as aromatic, that second stick is a row of dashes.
 //! Sticks end inside the balls, so that no flat end shows and nothing is drawn twice; the inner stick of a ring ends free and round.
 
+use super::dashes::dashes;
 use super::instances::{Cap, CylinderInstance};
 use crate::math::direction_or;
 use crate::structure::{Bond, BondKind, BondOrder, ByAtom};
@@ -28,6 +30,8 @@ struct Strand {
     radius: f32,
     /// How much each end is drawn back from its atom, beyond what the ball hides.
     shortened: f32,
+    /// Whether it is a row of dashes.
+    is_dashed: bool,
 }
 
 /// Everything a stick needs beside its bond.
@@ -60,7 +64,7 @@ impl StickContext<'_> {
             return;
         }
         let axis = axis / length;
-        let single = Strand { offset: Vec3::ZERO, radius: self.stick_radius, shortened: 0.0 };
+        let single = Strand { offset: Vec3::ZERO, radius: self.stick_radius, shortened: 0.0, is_dashed: false };
         // Of a bond that goes to an image no ring is known.
         let is_there = b == self.positions[bond.b as usize];
         let (strands, count) = self.strands(bond, axis, single, is_there);
@@ -76,9 +80,14 @@ impl StickContext<'_> {
             let shows = |atom: u32| reach > (self.ball_radius)(atom) + 1e-4;
             let free = strand.shortened > 0.0;
             let cap = |atom: u32| if free || shows(atom) && self.round_ends { Cap::Round } else { Cap::Flat };
+            let [from, to] = [a + strand.offset + axis * inset, b + strand.offset - axis * inset];
+            if strand.is_dashed {
+                dashes(from, to, CylinderInstance { radius: strand.radius, ..template }, &mut push);
+                continue;
+            }
             push(CylinderInstance {
-                a: (a + strand.offset + axis * inset).to_array(),
-                b: (b + strand.offset - axis * inset).to_array(),
+                a: from.to_array(),
+                b: to.to_array(),
                 radius: strand.radius,
                 caps: CylinderInstance::pack_caps(cap(bond.a), cap(bond.b)),
                 ..template
@@ -93,7 +102,7 @@ impl StickContext<'_> {
             return ([single; 4], 1);
         }
         let side = self.side(bond, axis);
-        let beside = |offset: f32, radius: f32| Strand { offset: side * offset, radius, shortened: 0.0 };
+        let beside = |offset: f32, radius: f32| Strand { offset: side * offset, radius, ..single };
         match bond.order {
             BondOrder::Triple => {
                 let (gap, thin) = (1.25 * r, 0.5 * r);
@@ -102,8 +111,7 @@ impl StickContext<'_> {
             BondOrder::Quadruple => {
                 let other = axis.cross(side);
                 let (gap, thin) = (0.8 * r, 0.45 * r);
-                let corner =
-                    |u: f32, v: f32| Strand { offset: (side * u + other * v) * gap, radius: thin, shortened: 0.0 };
+                let corner = |u: f32, v: f32| Strand { offset: (side * u + other * v) * gap, radius: thin, ..single };
                 ([corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)], 4)
             }
             _ => match self.ring_center(bond).filter(|_| is_there) {
@@ -112,13 +120,15 @@ impl StickContext<'_> {
                     let inward = center - middle;
                     let inward = direction_or(inward - axis * inward.dot(axis), side);
                     // The inner stick is a chord of the ring's inside: drawn back by what keeps neighbours apart.
-                    let inner = Strand { offset: inward * 1.75 * r, radius: 0.5 * r, shortened: 1.4 * r };
+                    let (offset, is_dashed) = (inward * 1.75 * r, bond.aromatic);
+                    let inner = Strand { offset, radius: 0.5 * r, shortened: 1.4 * r, is_dashed };
                     let main = Strand { radius: 0.8 * r, ..single };
                     ([main, inner, single, single], 2)
                 }
                 None => {
                     let (gap, thin) = (0.85 * r, 0.6 * r);
-                    ([beside(-gap, thin), beside(gap, thin), single, single], 2)
+                    let second = Strand { is_dashed: bond.aromatic, ..beside(gap, thin) };
+                    ([beside(-gap, thin), second, single, single], 2)
                 }
             },
         }
@@ -251,10 +261,7 @@ mod tests {
                 Vec3::new(1.39 * angle.cos(), 1.39 * angle.sin(), 0.0)
             })
             .collect();
-        let mut bonds: Vec<Bond> = (0..6).map(|i| bond(i, (i + 1) % 6, BondOrder::Unknown)).collect();
-        for bond in &mut bonds {
-            bond.aromatic = true;
-        }
+        let mut bonds: Vec<Bond> = (0..6).map(|i| bond(i, (i + 1) % 6, BondOrder::Double)).collect();
         for which in 0..6 {
             let (a, b) = (hexagon[bonds[which].a as usize], hexagon[bonds[which].b as usize]);
             let sticks = sticks_of(&hexagon, &bonds, which);
@@ -262,6 +269,10 @@ mod tests {
             assert!(offset(&sticks[0], a, b).length() < 1e-6);
             assert!(offset(&sticks[1], a, b).dot((a + b) * 0.5) < -0.1, "inside the ring");
         }
+        bonds[0].aromatic = true;
+        let sticks = sticks_of(&hexagon, &bonds, 0);
+        let inner = |stick: &CylinderInstance| (stick.a[0] - stick.b[0]).hypot(stick.a[1] - stick.b[1]) < 0.4;
+        assert!(sticks.len() >= 3 && !inner(&sticks[0]) && sticks[1..].iter().all(inner), "dashes inside");
     }
 
     #[test]

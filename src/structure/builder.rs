@@ -379,7 +379,7 @@ impl StructureBuilder {
         }
         let (positions, lost) = Positions::from_f64(points, self.decimals);
         self.digits_lost |= lost;
-        self.more_frames.push(Frame { positions, cell, title: title.into() });
+        self.more_frames.push(Frame { positions, cell, title: title.into(), vectors: Vec::new() });
         true
     }
 
@@ -398,7 +398,7 @@ impl StructureBuilder {
         self.components.push(component);
     }
 
-    /// Adds a vector field; one of another length than the atoms is refused with `false`.
+    /// Adds a vector field to the first frame; one of another length than the atoms is refused with `false`.
     #[must_use]
     pub fn push_vectors(&mut self, field: VectorField) -> bool {
         let fits = field.vectors.len() == self.element.len();
@@ -427,7 +427,7 @@ impl StructureBuilder {
             let message = "positions have more digits than can be kept (atoms millions of ångström apart); the last ones are rounded";
             diagnostics.warn(None, message);
         }
-        let mut frames = vec![Frame { positions, cell: self.cell, title: self.frame_title }];
+        let mut frames = vec![Frame { positions, cell: self.cell, title: self.frame_title, vectors: self.vectors }];
         frames.extend(self.more_frames);
         let bonds = bond::normalise(self.bonds, self.element.len());
         let bond_stereo = self
@@ -463,7 +463,6 @@ impl StructureBuilder {
             secondary: self.secondary,
             symmetry: self.symmetry,
             components: self.components,
-            vectors: self.vectors,
             properties: self.properties,
         }
     }

@@ -32,10 +32,9 @@ impl Structure {
         fn column<T: Copy>(of: &[T], sources: &[(usize, DVec3)]) -> Vec<T> {
             if of.is_empty() { Vec::new() } else { sources.iter().map(|&(atom, _)| of[atom]).collect() }
         }
-        let vectors = self
-            .vectors
-            .iter()
-            .map(|field| VectorField { name: field.name.clone(), vectors: column(&field.vectors, &sources) });
+        let vectors = (self.vectors().iter())
+            .map(|field| VectorField { name: field.name.clone(), vectors: column(&field.vectors, &sources) })
+            .collect();
         Structure {
             title: self.title.clone(),
             names: self.names.clone(),
@@ -56,11 +55,10 @@ impl Structure {
             bonds: Vec::new(),
             stated_bonds: StatedBonds::None,
             bond_stereo: Vec::new(),
-            frames: vec![Frame { positions, cell, title }],
+            frames: vec![Frame { positions, cell, title, vectors }],
             secondary: Vec::new(),
             symmetry: None,
             components: self.components.clone(),
-            vectors: vectors.collect(),
             properties: self.properties.clone(),
         }
     }

@@ -13,6 +13,7 @@ mod component;
 mod diagnostic;
 mod expand;
 mod gather;
+mod mesh;
 mod names;
 mod positions;
 mod symmetry;
@@ -25,6 +26,7 @@ pub use cell::Cell;
 pub use component::{ComponentBond, ComponentBonds};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub(crate) use expand::apply_symmetry;
+pub use mesh::{Mesh, MeshBuilder};
 pub use names::{NameId, Names};
 pub(crate) use positions::Points;
 pub use positions::Positions;
@@ -41,6 +43,8 @@ pub struct Frame {
     pub cell: Option<Cell>,
     /// The frame's comment or title, empty if there is none.
     pub title: String,
+    /// Vectors on the atoms in this frame.
+    pub vectors: Vec<VectorField>,
 }
 
 /// A contiguous run of atoms with the same chain, residue number, insertion code and residue name.
@@ -141,7 +145,6 @@ pub struct Structure {
     pub(crate) secondary: Vec<SecondaryElement>,
     pub(crate) symmetry: Option<Symmetry>,
     pub(crate) components: Vec<ComponentBonds>,
-    pub(crate) vectors: Vec<VectorField>,
     pub(crate) properties: Vec<(String, String)>,
 }
 
@@ -337,10 +340,10 @@ impl Structure {
         &self.components
     }
 
-    /// Vectors on atoms (first frame).
+    /// Vectors on atoms in the first frame.
     #[must_use]
     pub fn vectors(&self) -> &[VectorField] {
-        &self.vectors
+        &self.frames[0].vectors
     }
 
     /// Data fields (SDF) and other named texts of the file.

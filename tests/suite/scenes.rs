@@ -135,9 +135,9 @@ pub(crate) fn all() -> Vec<Case> {
         fitted("molecule", &bare),
         fitted("molecule_on_ground", &SceneOptions::default()),
         fitted("molecule_orthographic", &SceneOptions { perspective: false, ..SceneOptions::default() }),
-        fitted("molecule_licorice", &SceneOptions { style: Style::Licorice, ..bare }),
+        fitted("molecule_licorice", &SceneOptions { style: Style::Licorice, ..bare.clone() }),
         fitted("molecule_space_filling", &SceneOptions { style: Style::SpaceFilling, ..SceneOptions::default() }),
-        fitted("molecule_wireframe", &SceneOptions { style: Style::Wireframe, ..bare }),
+        fitted("molecule_wireframe", &SceneOptions { style: Style::Wireframe, ..bare.clone() }),
         fitted(
             "molecule_transparent",
             &SceneOptions { background: Background::Transparent, ..SceneOptions::default() },

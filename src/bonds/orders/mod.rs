@@ -251,6 +251,12 @@ pub fn aromatic_rings(structure: &Structure, bonds: &[Bond]) -> Vec<Vec<u32>> {
     aromatic::find(&graph, &rings, &orders)
 }
 
+/// The shortest rings through each of these bonds, up to `largest` atoms, each once: bonds (by index into `bonds`) and atoms in
+/// order. Rings with hydrogens or metals are none. Linear in the number of atoms.
+pub(crate) fn small_rings(structure: &Structure, bonds: &[Bond], largest: usize) -> Vec<rings::Ring> {
+    rings::find(&Graph::new(structure.elements(), &[], bonds, None), |_| true, largest)
+}
+
 /// For each atom of the graph's marked molecules whether its hydrogens are in the structure.
 ///
 /// They are where any carbon of the same molecule has one. Where only other atoms have (polar hydrogens), these are

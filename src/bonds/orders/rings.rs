@@ -18,9 +18,9 @@ const MOST_VISITED: usize = 2_000;
 
 /// A ring: atoms and bonds in order, bond `i` from atom `i` to the next.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Ring {
-    pub(super) atoms: Vec<u32>,
-    pub(super) bonds: Vec<u32>,
+pub(crate) struct Ring {
+    pub(crate) atoms: Vec<u32>,
+    pub(crate) bonds: Vec<u32>,
 }
 
 impl Ring {

@@ -22,7 +22,7 @@ fn scene_of(structure: &Structure, background: Background) -> Scene {
     let labels = LabelContent { element: true, index: true, ..LabelContent::default() };
     let overlay = OverlayOptions { labels, legend: true, scale_bar: true, size: 2.0 };
     let orientation = Orientation::Along { direction: Vec3::NEG_Z, up: Vec3::Y };
-    let options = SceneOptions { background, overlay, orientation, ground: false, ..SceneOptions::default() };
+    let options = SceneOptions { background, text: overlay, orientation, ground: false, ..SceneOptions::default() };
     Scene::new(&[Item::of(structure)], &options)
 }
 

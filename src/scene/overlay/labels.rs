@@ -130,7 +130,7 @@ mod tests {
     fn labels(structure: &Structure, content: LabelContent) -> Vec<(String, Vec3)> {
         let overlay = OverlayOptions { labels: content, ..OverlayOptions::default() };
         let orientation = crate::scene::Orientation::Along { direction: Vec3::NEG_Z, up: Vec3::Y };
-        let options = SceneOptions { overlay, orientation, ..SceneOptions::default() };
+        let options = SceneOptions { text: overlay, orientation, ..SceneOptions::default() };
         let scene = Scene::new(&[Item::of(structure)], &options);
         scene.overlay.labels.iter().map(|label| (label.text.to_string(), label.anchor)).collect()
     }
@@ -192,7 +192,7 @@ mod tests {
         assert_eq!(texts(&structure, LabelContent { residue: true, ..NONE }), [""; 0]);
         let item = Item { listed: &[6, 6], ..Item::of(&structure) };
         let overlay = OverlayOptions { labels: content, ..OverlayOptions::default() };
-        let scene = Scene::new(&[item], &SceneOptions { overlay, ..SceneOptions::default() });
+        let scene = Scene::new(&[item], &SceneOptions { text: overlay, ..SceneOptions::default() });
         assert!(scene.overlay.labels.iter().all(|label| &*label.text == "Cl7"));
     }
 }

@@ -124,7 +124,7 @@ mod tests {
     fn legend(color_by: ColorBy, altloc: AltlocChoice) -> Vec<String> {
         let overlay = OverlayOptions { legend: true, ..OverlayOptions::default() };
         let structure = structure();
-        let options = SceneOptions { color_by, overlay, altloc, ..SceneOptions::default() };
+        let options = SceneOptions { color_by, text: overlay, altloc, ..SceneOptions::default() };
         let scene = Scene::new(&[Item::of(&structure), Item::of(&structure)], &options);
         for row in &scene.overlay.legend {
             assert!(scene.blocks[0].spheres.iter().any(|sphere| sphere.color == row.color));

@@ -1,0 +1,68 @@
+//! Wavefront materials: of each the diffuse colour (`Kd`) and the opacity (`d`, or `Tr`, what it lacks to 1). Everything else
+//! (highlights, textures) is passed over.
+//!
+//! The format does not say in which colour space its numbers are; as in the programs that write and show it they are taken as sRGB.
+
+use super::super::number::next_f64;
+use super::super::text::{Lines, next_word};
+use crate::color::Srgb8;
+use std::collections::HashMap;
+
+/// Colours of materials by name; [`super::UNCOLORED`] for one without `Kd`.
+pub(super) fn read(text: &[u8], line_bytes: usize, materials: &mut HashMap<Vec<u8>, Srgb8>) {
+    let mut current = None;
+    for line in Lines::new(text, line_bytes) {
+        let Some((word, rest)) = next_word(line) else { continue };
+        if word == b"newmtl" {
+            current = Some(rest.trim_ascii().to_vec());
+        }
+        let Some(name) = &current else { continue };
+        let color = materials.entry(name.clone()).or_insert(super::UNCOLORED);
+        match word {
+            b"Kd" => {
+                if let Some([r, g, b]) = color_of(rest) {
+                    *color = Srgb8 { r, g, b, a: color.a };
+                }
+            }
+            b"d" => {
+                // `d -halo 0.5`: thinner where it is seen at a slant; not told apart.
+                let rest = rest.trim_ascii().strip_prefix(b"-halo").unwrap_or(rest);
+                color.a = byte(rest).map_or(color.a, |(opacity, _)| opacity);
+            }
+            b"Tr" => color.a = byte(rest).map_or(color.a, |(clear, _)| 255 - clear),
+            _ => {}
+        }
+    }
+}
+
+/// Three numbers, or one for all three.
+fn color_of(rest: &[u8]) -> Option<[u8; 3]> {
+    let (r, rest) = byte(rest)?;
+    let Some((g, rest)) = byte(rest) else { return Some([r; 3]) };
+    Some([r, g, byte(rest)?.0])
+}
+
+/// The next number, 0 to 1, as a byte.
+fn byte(text: &[u8]) -> Option<(u8, &[u8])> {
+    let (value, _, rest) = next_f64(text)?;
+    value.is_finite().then(|| ((value.clamp(0.0, 1.0) * 255.0).round() as u8, rest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_and_opacities_of_materials() {
+        let text = b"# no material yet\nKd 1 1 1\nnewmtl red glass\nKs 1 1 1\nKd 1 0 0.2\nd 0.5\n\nnewmtl clear\nTr 0.25\nKd 0.4\n\
+                     newmtl bad\nKd spectral file.rfl\nd nan\nnewmtl halo\nd -halo 0.2\n";
+        let mut materials = HashMap::new();
+        read(text, 1000, &mut materials);
+        let of = |name: &[u8]| materials.get(name).copied();
+        assert_eq!(of(b"red glass"), Some(Srgb8 { r: 255, g: 0, b: 51, a: 128 }));
+        assert_eq!(of(b"clear"), Some(Srgb8 { r: 102, g: 102, b: 102, a: 191 }));
+        assert_eq!(of(b"bad"), Some(super::super::UNCOLORED));
+        assert_eq!(of(b"halo").map(|color| color.a), Some(51));
+        assert_eq!(materials.len(), 4);
+    }
+}

@@ -1,0 +1,266 @@
+//! How aromatic bonds look: single sticks and a thin ring in the middle of each aromatic ring, or a dashed line inside, or one
+//! Kekulé form.
+//!
+//! Rings are found among the aromatic bonds alone, the shortest ones through each bond (`bonds::small_rings`), so that fused rings
+//! each have their own and the whole stays linear in the number of atoms. A ring that is not flat, and bonds that are in no
+//! ring of five to seven atoms, have the dashed line.
+
+use super::fit::eigen_symmetric;
+use super::shapes::TorusInstance;
+use crate::bonds;
+use crate::color::Srgb8;
+use crate::structure::{Bond, BondKind, BondOrder, Structure};
+use glam::{DMat3, DVec3, Vec3};
+
+/// How aromatic bonds are drawn; the names are those of `--aromatic`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Aromatic {
+    /// A thin ring inside each flat ring of five to seven atoms; all else as [`Aromatic::Dashes`].
+    #[default]
+    Ring,
+    /// A stick and a dashed one beside it, inside the ring.
+    Dashes,
+    /// Single and double bonds as one Kekulé form has them; two sticks where none is known.
+    Kekule,
+}
+
+impl Aromatic {
+    /// All of them.
+    pub const ALL: [Aromatic; 3] = [Aromatic::Ring, Aromatic::Dashes, Aromatic::Kekule];
+
+    /// The name in flags and settings.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Aromatic::Ring => "ring",
+            Aromatic::Dashes => "dashes",
+            Aromatic::Kekule => "kekule",
+        }
+    }
+
+    /// The choice of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Aromatic> {
+        Aromatic::ALL.into_iter().find(|choice| choice.name() == name)
+    }
+
+    /// The bond as its sticks are to look: aromatic only if that is a dashed stick beside a solid one.
+    pub(super) fn as_drawn(self, bond: &Bond, has_ring: bool) -> Bond {
+        let (aromatic, order) = match self {
+            _ if !bond.aromatic => return *bond,
+            Aromatic::Kekule if bond.order == BondOrder::Unknown => (false, BondOrder::Double),
+            Aromatic::Kekule => (false, bond.order),
+            _ if has_ring => (false, BondOrder::Single),
+            _ => (true, BondOrder::Double),
+        };
+        Bond { aromatic, order, ..*bond }
+    }
+}
+
+/// The least and the most atoms of a ring that has a ring inside. Smaller ones have no room, in larger ones it is far from the sticks.
+const ATOMS: std::ops::RangeInclusive<usize> = 5..=7;
+/// Root mean square distance from their plane up to which atoms count as flat, ångström: rings that a protein's refinement bends
+/// stay below 0.05 Å, boats and chairs are above 0.2 Å.
+const FLAT: f64 = 0.15;
+/// Radius of the ring in distances of the atoms from its centre, by eye: near the sticks, and clear of them.
+const PART: f32 = 0.6;
+/// Room between the ring's tube and the sticks, ångström.
+const ROOM: f32 = 0.1;
+/// How much darker than the mean of its atoms a ring is, in linear light, so that it stands out from the sticks; by eye.
+const DARKER: f32 = 0.6;
+
+/// The rings inside rings.
+#[derive(Debug, Default)]
+pub(super) struct Rings {
+    /// Each with the id of its first bond.
+    pub(super) tori: Vec<TorusInstance>,
+    /// Whether a bond is in one of them; empty if none is.
+    has_ring: Vec<bool>,
+}
+
+impl Rings {
+    pub(super) fn has(&self, bond: u32) -> bool {
+        self.has_ring.get(bond as usize).is_some_and(|&has| has)
+    }
+}
+
+/// Finds them among the bonds that are drawn. `stick_radius` is that of a single bond, `tube_radius` that of the rings' tubes.
+pub(super) fn rings(
+    structure: &Structure,
+    colors: &[Srgb8],
+    [stick_radius, tube_radius]: [f32; 2],
+    is_drawn: impl Fn(&Bond) -> bool,
+    id_of_bond: impl Fn(u32) -> u32,
+) -> Rings {
+    let is_aromatic = |bond: &Bond| bond.aromatic && bond.kind == BondKind::Covalent && is_drawn(bond);
+    let (indices, aromatic): (Vec<u32>, Vec<Bond>) = (0u32..)
+        .zip(structure.bonds())
+        .filter(|(_, bond)| is_aromatic(bond))
+        .map(|(index, bond)| (index, *bond))
+        .unzip();
+    let mut rings = Rings::default();
+    if aromatic.is_empty() {
+        return rings;
+    }
+    let positions = structure.positions().relative();
+    for ring in bonds::small_rings(structure, &aromatic, *ATOMS.end()) {
+        if !ATOMS.contains(&ring.atoms.len()) {
+            continue;
+        }
+        let points: Vec<Vec3> = ring.atoms.iter().map(|&atom| positions[atom as usize]).collect();
+        let Some((center, axis)) = plane(&points) else { continue };
+        let count = points.len();
+        let reach = points.iter().map(|point| point.distance(center)).sum::<f32>() / count as f32;
+        let nearest = (0..count).map(|i| ((points[i] + points[(i + 1) % count]) * 0.5).distance(center));
+        let free = nearest.fold(f32::INFINITY, f32::min) - stick_radius - ROOM - tube_radius;
+        let ring_radius = (PART * reach).min(free);
+        if ring_radius < 3.0 * tube_radius {
+            continue;
+        }
+        let first = ring.bonds.iter().map(|&bond| indices[bond as usize]).min().unwrap_or(0);
+        rings.tori.push(TorusInstance {
+            center: center.to_array(),
+            ring_radius,
+            axis: axis.to_array(),
+            tube_radius,
+            color: mean(ring.atoms.iter().map(|&atom| colors[atom as usize])),
+            id: id_of_bond(first),
+            reserved: [0; 2],
+        });
+        rings.has_ring.resize(structure.bonds().len(), false);
+        for bond in ring.bonds {
+            rings.has_ring[indices[bond as usize] as usize] = true;
+        }
+    }
+    rings
+}
+
+/// Centre and normal of the plane that fits points best; `None` if they are not flat.
+fn plane(points: &[Vec3]) -> Option<(Vec3, Vec3)> {
+    let count = points.len() as f64;
+    let center = points.iter().map(|point| point.as_dvec3()).sum::<DVec3>() / count;
+    let mut covariance = DMat3::ZERO;
+    for point in points {
+        let d = point.as_dvec3() - center;
+        covariance += DMat3::from_cols(d * d.x, d * d.y, d * d.z) * (1.0 / count);
+    }
+    // The mean square distance from the plane is the least eigenvalue.
+    let (values, axes) = eigen_symmetric(covariance);
+    let least = (0..3).min_by(|&i, &j| values[i].total_cmp(&values[j]))?;
+    let is_flat = values[least] <= FLAT * FLAT;
+    is_flat.then(|| (center.as_vec3(), axes[least].as_vec3().normalize_or(Vec3::Z)))
+}
+
+fn mean(colors: impl ExactSizeIterator<Item = Srgb8>) -> Srgb8 {
+    let part = DARKER / colors.len().max(1) as f32;
+    let mut sum = [0.0; 3];
+    for color in colors {
+        for (sum, x) in sum.iter_mut().zip(color.to_linear()) {
+            *sum += part * x;
+        }
+    }
+    Srgb8::from_linear(sum, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::Element;
+    use crate::scene::{Item, Scene, SceneOptions, Style};
+    use crate::structure::{AtomRecord, BondSource, Diagnostics, StructureBuilder};
+
+    /// Aromatic carbons.
+    fn molecule(points: &[Vec3], pairs: &[(u32, u32)]) -> Structure {
+        let mut builder = StructureBuilder::new();
+        for point in points {
+            let position = point.as_dvec3();
+            builder.push_atom(&AtomRecord { element: Element::C, position, ..AtomRecord::default() });
+        }
+        for (index, &(a, b)) in pairs.iter().enumerate() {
+            let order = if index % 2 == 0 { BondOrder::Double } else { BondOrder::Single };
+            builder.push_bond(Bond { aromatic: true, ..Bond::new(a, b, order, BondSource::File) });
+        }
+        builder.build(&mut Diagnostics::default())
+    }
+
+    fn polygon(atoms: u32, lifted: f32) -> Structure {
+        let radius = 0.695 / (std::f32::consts::PI / atoms as f32).sin();
+        let points: Vec<Vec3> = (0..atoms)
+            .map(|i| {
+                let angle = i as f32 * std::f32::consts::TAU / atoms as f32;
+                Vec3::new(radius * angle.cos() + 3.0, radius * angle.sin(), if i % 2 == 0 { lifted } else { -lifted })
+            })
+            .collect();
+        molecule(&points, &(0..atoms).map(|i| (i, (i + 1) % atoms)).collect::<Vec<_>>())
+    }
+
+    fn drawn(structure: &Structure, aromatic: Aromatic, style: Style) -> (usize, Vec<TorusInstance>) {
+        let scene = Scene::new(&[Item::of(structure)], &SceneOptions { aromatic, style, ..SceneOptions::default() });
+        (scene.cylinder_count(), scene.blocks[0].tori.clone())
+    }
+
+    #[test]
+    fn rings_of_five_to_seven_atoms_have_a_ring_clear_of_their_sticks() {
+        for atoms in 5..=7 {
+            let structure = polygon(atoms, 0.0);
+            for style in [Style::BallAndStick, Style::Licorice, Style::Wireframe] {
+                let (sticks, tori) = drawn(&structure, Aromatic::Ring, style);
+                assert_eq!((sticks, tori.len()), (atoms as usize, 1), "{style:?}");
+                let torus = tori[0];
+                assert!((Vec3::from(torus.center) - Vec3::X * 3.0).length() < 1e-5);
+                assert!(torus.axis[2].abs() > 0.999 && torus.id == atoms + 1);
+                let side = 0.695 / (std::f32::consts::PI / atoms as f32).tan();
+                let stick = style.stick_radius(BondKind::Covalent).unwrap();
+                let room = side - stick - torus.ring_radius - torus.tube_radius;
+                assert!(room > 0.099 && torus.ring_radius > 0.4, "{atoms} {style:?}: {room} {torus:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn other_rings_and_bonds_without_one_have_dashes_inside() {
+        let chain = molecule(&[Vec3::ZERO, Vec3::X * 1.4, Vec3::new(2.1, 1.2, 0.0)], &[(0, 1), (1, 2)]);
+        for (structure, bonds) in [(polygon(6, 0.25), 6), (polygon(8, 0.0), 8), (polygon(4, 0.0), 4), (chain, 2)] {
+            let (sticks, tori) = drawn(&structure, Aromatic::Ring, Style::BallAndStick);
+            assert!(tori.is_empty() && sticks > 2 * bonds, "{bonds}: {sticks}");
+            assert_eq!(sticks, drawn(&structure, Aromatic::Dashes, Style::BallAndStick).0);
+        }
+        // Flat within the noise of a refinement.
+        assert_eq!(drawn(&polygon(6, 0.1), Aromatic::Ring, Style::BallAndStick).1.len(), 1);
+    }
+
+    #[test]
+    fn a_kekule_form_has_its_double_bonds_and_no_more() {
+        let (sticks, tori) = drawn(&polygon(6, 0.0), Aromatic::Kekule, Style::BallAndStick);
+        assert_eq!((sticks, tori.len()), (9, 0));
+        assert!(drawn(&polygon(6, 0.0), Aromatic::Ring, Style::SpaceFilling).1.is_empty());
+    }
+
+    #[test]
+    fn fused_rings_have_one_each_the_inner_one_too() {
+        // Coronene's carbons: a hexagon in the middle, six around.
+        let unit = |k: u32| {
+            let angle = k as f32 * std::f32::consts::TAU / 6.0;
+            Vec3::new(angle.cos(), angle.sin(), 0.0) * 1.42
+        };
+        let mut points: Vec<Vec3> = (0..6).map(unit).collect();
+        points.extend((0..6).map(|k| unit(k) * 2.0));
+        for k in 0..6 {
+            points.push(unit(k) * 2.0 + unit(k + 1));
+            points.push(unit(k + 1) * 2.0 + unit(k));
+        }
+        let mut pairs: Vec<(u32, u32)> = (0..6).flat_map(|k| [(k, (k + 1) % 6), (k, k + 6)]).collect();
+        for k in 0..6 {
+            pairs.extend([(6 + k, 12 + 2 * k), (12 + 2 * k, 13 + 2 * k), (13 + 2 * k, 6 + (k + 1) % 6)]);
+        }
+        let coronene = molecule(&points, &pairs);
+        assert!(
+            coronene
+                .bonds()
+                .iter()
+                .all(|bond| { (points[bond.a as usize].distance(points[bond.b as usize]) - 1.42).abs() < 1e-4 })
+        );
+        let (sticks, tori) = drawn(&coronene, Aromatic::Ring, Style::BallAndStick);
+        assert_eq!((sticks, tori.len()), (30, 7));
+    }
+}
