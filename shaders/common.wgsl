@@ -36,8 +36,8 @@ struct SampleConstants {
     offset: vec2<f32>,
     // Samples summed before this one.
     done: u32,
-    // Fills the row.
-    reserved: u32,
+    // The sample's turn among those in which see-through primitives are there, and 65536 times log2 of their number.
+    turn: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: FrameConstants;

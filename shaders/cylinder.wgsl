@@ -37,14 +37,15 @@ fn vs_cylinder(
     let b = center + axis * half_length;
     let caps = colors_caps.z;
     var rect = cylinder_rect(a, b, axis, radius, has_cap(caps, 0u, 2u), has_cap(caps, 1u, 2u), frame.depth.z);
-    rect.seen = rect.seen && is_solid;
+    let placed = placed_id(id);
+    rect.seen = rect.seen && is_solid && is_drawn_in_sample(placed, colors_caps.x);
     var vertex: CylinderVertex;
     vertex.position = quad_corner(rect, corner, min(-a.z, -b.z) - radius);
     vertex.center = vec4<f32>(center, half_length);
     vertex.row_x = vec4<f32>(camera_to_cylinder[0], radius);
     vertex.row_y = camera_to_cylinder[1];
     vertex.row_z = camera_to_cylinder[2];
-    vertex.look = vec4<u32>(colors_caps, placed_id(id));
+    vertex.look = vec4<u32>(colors_caps, placed);
     return vertex;
 }
 
@@ -65,14 +66,4 @@ fn fs_cylinder(vertex: CylinderVertex) -> Surface {
     }
     let rgb = select(vertex.look.x, vertex.look.y, cylinder_half(ray, cylinder, t));
     return surface(vertex.look.w, t, cylinder_normal(ray, cylinder, near, t), rgb);
-}
-
-// The same for a light's map.
-@fragment
-fn fs_cylinder_height(vertex: CylinderVertex) -> Height {
-    let t = cylinder_t(pixel_ray(vertex.position, one_sample.offset), cylinder_of(vertex), frame.depth.z);
-    if !(t < NO_HIT) {
-        discard;
-    }
-    return height(t);
 }

@@ -1,8 +1,10 @@
 // The scene's signed distance field over its hierarchy: the twins of src/render/field.rs and Hierarchy::visit. Boxes and
 // primitives are texels in rows of 2048: two a box (lower corner; upper corner), and two a primitive in the hierarchy's
 // order (centre, radius; unit axis, half length). A sphere is a cylinder of no length and no axis. A radius below 0 marks a
-// round end a, a half length below 0 a round end b.
+// round end a, a half length below 0 a round end b. Other primitives have a radius of RARE times their kind, and in
+// place of the axis the number of the first of three texels that hold the rest.
 #import "common.wgsl"
+#import "distance.wgsl"
 
 struct FieldConstants {
     // Where each level of the hierarchy starts, four levels a row; the last entry is the end.
@@ -25,10 +27,24 @@ fn level_start(level: u32) -> u32 {
     return field.levels[level >> 2u][level & 3u];
 }
 
+fn rare_of(first: vec4<f32>, second: vec4<f32>) -> Rare {
+    let at = u32(second.x);
+    return Rare(
+        u32(first.w / RARE + 0.5),
+        first.xyz,
+        textureLoad(primitives, texel_at(at), 0),
+        textureLoad(primitives, texel_at(at + 1u), 0),
+        textureLoad(primitives, texel_at(at + 2u), 0),
+    );
+}
+
 // Twin of sphere_distance and cylinder_distance.
 fn primitive_distance(index: u32, p: vec3<f32>) -> f32 {
     let first = textureLoad(primitives, texel_at(2u * index), 0);
     let second = textureLoad(primitives, texel_at(2u * index + 1u), 0);
+    if first.w >= RARE {
+        return rare_distance(rare_of(first, second), p);
+    }
     let radius = abs(first.w);
     let from_center = p - first.xyz;
     let y = dot(from_center, second.xyz);
@@ -91,6 +107,12 @@ fn box_bound(index: u32, query: Query) -> f32 {
 
 fn answer(index: u32, query: Query) -> f32 {
     if is_way(query) {
+        let first = textureLoad(primitives, texel_at(2u * index), 0);
+        if first.w >= RARE {
+            let second = textureLoad(primitives, texel_at(2u * index + 1u), 0);
+            let least = least_on_way(rare_of(first, second), query.p, query.direction, query.start);
+            return max(query.sharpness * least.y / least.x, 0.0);
+        }
         let t = max(nearest_on_way(index, query.p, query.direction), query.start);
         return max(query.sharpness * primitive_distance(index, query.p + query.direction * t) / t, 0.0);
     }

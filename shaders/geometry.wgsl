@@ -49,7 +49,6 @@ fn quad_corner(rect: PlaneRect, corner: u32, nearest_depth: f32) -> vec4<f32> {
     if !rect.seen {
         return NOWHERE;
     }
-    let size_px = vec2<f32>(one_sample.size);
     let grid = frame.grid;
     let signs = vec2<f32>(select(1.0, -1.0, (corner & 1u) == 0u), select(1.0, -1.0, (corner & 2u) == 0u));
     var half_px = rect.half / grid.x + SNAP_SLACK_PX;
@@ -59,15 +58,23 @@ fn quad_corner(rect: PlaneRect, corner: u32, nearest_depth: f32) -> vec4<f32> {
     var along = vec2<f32>(rect.along.x, -rect.along.y);
     var across = vec2<f32>(perp(rect.along).x, -perp(rect.along).y);
     let upright_px = abs(along) * half_px.x + abs(across) * half_px.y;
-    var corner_px = center_px + along * (half_px.x * signs.x) + across * (half_px.y * signs.y);
+    let corner_px = center_px + along * (half_px.x * signs.x) + across * (half_px.y * signs.y);
+    return target_corner(corner_px, center_px - upright_px, center_px + upright_px, corner, nearest_depth);
+}
+
+// A corner of what bounds a primitive, in pixels of the target, and of the upright box around all corners, in clip space.
+fn target_corner(at: vec2<f32>, low: vec2<f32>, high: vec2<f32>, corner: u32, nearest_depth: f32) -> vec4<f32> {
+    let size_px = vec2<f32>(one_sample.size);
+    let is_high = vec2<bool>((corner & 1u) == 1u, (corner & 2u) == 2u);
+    var corner_px = at;
     let reach = 8.0 * max(size_px.x, size_px.y);
-    let far_out = max(max(abs(center_px.x) + upright_px.x, abs(center_px.y) + upright_px.y), 0.0);
+    let far_out = max(max(abs(low.x), abs(low.y)), max(abs(high.x), abs(high.y)));
     if !(far_out < reach) {
         // Large numbers would be clipped with large errors: the upright box, cut just outside of the target.
-        let wanted = center_px + upright_px * signs;
+        let wanted = select(low, high, is_high);
         corner_px = clamp(wanted, vec2<f32>(-2.0), size_px + 2.0);
         // NaN and infinities show everything.
-        let all = select(vec2<f32>(-2.0), size_px + 2.0, signs > vec2<f32>(0.0));
+        let all = select(vec2<f32>(-2.0), size_px + 2.0, is_high);
         corner_px = select(all, corner_px, abs(wanted) < vec2<f32>(NO_HIT));
     }
     let ndc = corner_px / size_px * 2.0 - 1.0;
@@ -75,21 +82,24 @@ fn quad_corner(rect: PlaneRect, corner: u32, nearest_depth: f32) -> vec4<f32> {
     return vec4<f32>(ndc.x, -ndc.y, z, 1.0);
 }
 
+// Twin of opacity::is_drawn_in_sample; the sample's turn comes with its constants.
+fn is_drawn_in_sample(id: u32, color: u32) -> bool {
+    let opacity = color >> 24u;
+    if opacity == 255u {
+        return true;
+    }
+    var hash = (id ^ (id >> 16u)) * 0x85ebca6bu;
+    hash = (hash ^ (hash >> 13u)) * 0xc2b2ae35u;
+    hash = hash ^ (hash >> 16u);
+    let turn = one_sample.turn & 0xffffu;
+    let turns = 1u << (one_sample.turn >> 16u);
+    return ((turn + hash) & (turns - 1u)) < (opacity * turns + 127u) / 255u;
+}
+
 struct Surface {
     // id, depth, normal, colour.
     @location(0) texel: vec4<u32>,
     @builtin(frag_depth) depth: f32,
-}
-
-// How far a surface reaches towards a light at infinity, in steps over the scene's depth; 0 is kept for nothing.
-struct Height {
-    @location(0) steps: u32,
-    @builtin(frag_depth) depth: f32,
-}
-
-fn height(t: f32) -> Height {
-    let part = clamp((frame.depth.w - t) / (frame.depth.w - frame.depth.z), 0.0, 1.0);
-    return Height(1u + u32(part * 65534.0 + 0.5), depth_value(t));
 }
 
 // Marks a texel that a primitive covers; the cleared target has 0.

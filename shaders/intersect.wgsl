@@ -1,5 +1,5 @@
-// Exact intersections of a view ray with the primitives: the twins, function for function, of
-// src/render/cpu/intersect.rs, with NO_HIT for infinity. Comments stand there.
+// Exact intersections of a view ray with spheres and cylinders: the twins, function for function, of
+// src/render/cpu/intersect, with NO_HIT for infinity. Comments stand there; cones, tori and triangles have files of their own.
 #import "common.wgsl"
 
 struct Sphere {
@@ -75,22 +75,35 @@ fn normalize_or(v: vec3<f32>, fallback: vec3<f32>) -> vec3<f32> {
     return fallback;
 }
 
-// The ray in the cylinder's space: origin, direction, and the t of its origin.
+// Twin of cone::towards_camera.
+fn towards_camera(normal: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
+    if dot3(normal, direction) <= 0.0 {
+        return normal;
+    }
+    let back = -normalize(direction);
+    return normalize_or(normal - back * dot3(normal, back), back);
+}
+
+// The ray in a primitive's space: origin, direction, and the t of its origin.
 struct LocalRay {
     q: vec3<f32>,
     e: vec3<f32>,
     t0: f32,
 }
 
-fn cylinder_ray(ray: Ray, cylinder: Cylinder) -> LocalRay {
+fn local_ray(ray: Ray, center: vec3<f32>, row_x: vec3<f32>, row_y: vec3<f32>, row_z: vec3<f32>) -> LocalRay {
     let d = ray.direction;
     let dd = dot3(d, d);
-    let c = cylinder.center - ray.origin;
+    let c = center - ray.origin;
     let t0 = dot3(c, d) / dd;
     let p = d * t0 - c;
-    let q = vec3<f32>(dot3(cylinder.row_x, p), dot3(cylinder.row_y, p), dot3(cylinder.row_z, p));
-    let e = vec3<f32>(dot3(cylinder.row_x, d), dot3(cylinder.row_y, d), dot3(cylinder.row_z, d));
+    let q = vec3<f32>(dot3(row_x, p), dot3(row_y, p), dot3(row_z, p));
+    let e = vec3<f32>(dot3(row_x, d), dot3(row_y, d), dot3(row_z, d));
     return LocalRay(q, e, t0);
+}
+
+fn cylinder_ray(ray: Ray, cylinder: Cylinder) -> LocalRay {
+    return local_ray(ray, cylinder.center, cylinder.row_x, cylinder.row_y, cylinder.row_z);
 }
 
 // Intervals are (entry, exit).

@@ -1,4 +1,4 @@
-// Normal and half of a cylinder at a hit: the twins of src/render/cpu/intersect.rs.
+// Normal and half of a cylinder at a hit: the twins of src/render/cpu/intersect/cylinder.rs.
 #import "intersect.wgsl"
 
 fn cylinder_normal(ray: Ray, cylinder: Cylinder, near: f32, t: f32) -> vec3<f32> {

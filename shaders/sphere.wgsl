@@ -18,11 +18,13 @@ fn vs_sphere(
 ) -> SphereVertex {
     let center = view_point(center_radius.xyz);
     let radius = center_radius.w;
-    let rect = sphere_rect(center, radius, frame.depth.z);
+    let id = placed_id(color_id.y);
+    var rect = sphere_rect(center, radius, frame.depth.z);
+    rect.seen = rect.seen && is_drawn_in_sample(id, color_id.x);
     var vertex: SphereVertex;
     vertex.position = quad_corner(rect, corner, -center.z - radius);
     vertex.ball = vec4<f32>(center, radius);
-    vertex.look = vec2<u32>(color_id.x, placed_id(color_id.y));
+    vertex.look = vec2<u32>(color_id.x, id);
     return vertex;
 }
 
@@ -36,14 +38,4 @@ fn fs_sphere(vertex: SphereVertex) -> Surface {
         discard;
     }
     return surface(vertex.look.y, t, sphere_normal(ray, sphere, near, t), vertex.look.x);
-}
-
-// The same for a light's map.
-@fragment
-fn fs_sphere_height(vertex: SphereVertex) -> Height {
-    let t = sphere_t(pixel_ray(vertex.position, one_sample.offset), Sphere(vertex.ball.xyz, vertex.ball.w), frame.depth.z);
-    if !(t < NO_HIT) {
-        discard;
-    }
-    return height(t);
 }

@@ -57,23 +57,31 @@
 //! `render::gpu` draws the same instance bytes as impostors, with WGSL twins of the Rust functions under the same names; parity tests compare ids, depth,
 //! normals and colour.
 //!
-//! - A sphere and a cylinder are intersected exactly, from a ray origin moved to the primitive ([`render::cpu::intersect`]).
+//! - Spheres, cylinders, cones, tori and triangles are intersected exactly, from a ray origin moved to the primitive
+//!   ([`render::cpu::intersect`]); a torus by a march that is safe and near the surface as fast as Newton's.
+//! - See-through primitives are drawn in as many of the samples as their opacity says, without sorting ([`render::opacity`]); below a
+//!   half they throw no shadow, hide no sky, and are not in the channels of ids, depths and normals.
 //! - Their bounds on the picture are exact for any projection, off-centre parts included ([`render::bounds`]).
 //! - The ground is lit by the scene's distance field: the key light's penumbra from the smallest `sharpness · distance / t` along the way to
 //!   the light, and the sky's part from how far the field falls short above the ground ([`render::field`]). Where one would usually march
 //!   along the way, each primitive is asked at its own nearest point of it, found through the hierarchy: it is faster and leaves no bands.
 //! - Ambient occlusion is the part of the sky that a surface point sees, over 64 fixed directions, without a reach; the key light's shadow
 //!   on the molecule is the mean over 16 directions in a cone ([`render::sky`]). The reference casts rays; the product and the
-//!   GPU draw a depth map from each direction and compare points where their tangent plane passes a texel's centre, so that no
-//!   bias is needed. It is asked once for each primitive in each pixel; what is seen and how it is turned is found at every sample.
+//!   GPU ask the primitives in the tube above a point ([`render::tubes`]), which is as exact. The samples of a pixel share the
+//!   directions out.
 //! - Ground and background are smooth and found once a pixel; what a primitive covers is found and shaded at every sample.
 //!
 //! # Known limits
 //!
 //! - Without hydrogens, which nitrogen of an azole carries one, and keto or enol, is guessed from lengths: about 3 % of such molecules
 //!   come out as the other form.
-//! - Outlines and labels are missing. The edges of ambient occlusion and of shadows on the molecule are as fine as a texel of the
-//!   light's depth maps: 0.02 Å for a small molecule, 0.3 Å for 100,000 atoms.
+//! - Outlines and labels are missing.
+//! - On a GPU whose textures are too small for the primitives, or for the tubes of one sample's directions (about 150,000 atoms
+//!   where 2048 texels a side are all), there is no ambient occlusion and no shadow on the molecule.
+//! - A see-through primitive of opacity 0.5 and more throws a full shadow. See-through ones seen through one another take their
+//!   samples each by its id, so that two may show a little more or less than they would by the rules of glass; with 4 samples
+//!   there are only 4 steps of opacity.
+//! - A coarse mesh with smooth normals shades itself where the light grazes it: its faces are flat.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
 //! - A truncated single-frame XYZ file is refused, not shown in part.
 //! - Symmetry is applied where the file lists its operations (CIF of small molecules, REMARK 290 of PDB), not from the name of the

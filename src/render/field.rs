@@ -2,52 +2,18 @@
 //!
 //! `map(p)` is the smallest distance from `p` to any primitive (a union by `min`, with the primitive that gives it). A
 //! hierarchy asks only primitives nearer than what matters. The ground's light is found once per texel of a map on
-//! the plane (see [`super::frame::GroundGrid`]) and interpolated. `shaders/ground_map.wgsl` holds the twins.
+//! the plane (see [`super::frame::GroundGrid`]) and interpolated. What is see-through by more than a half is no part of the field.
+//! `shaders/ground_map.wgsl` and `shaders/field.wgsl` hold the twins.
 
+use super::distance::{cone_distance, cylinder_distance, sphere_distance, torus_distance, triangle_distance};
+use super::distance::{least_on_way, nearest_on_way};
 use super::frame::{FrameConstants, ground_light};
 use super::hierarchy::Hierarchy;
-use super::solids::{Cylinder, Solids, Sphere};
+use super::solids::{Primitive, Solids};
 use crate::math::Aabb;
 use crate::scene::Scene;
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
-
-/// Distance to a sphere, negative inside.
-#[inline]
-#[must_use]
-pub fn sphere_distance(p: Vec3, sphere: &Sphere) -> f32 {
-    (p - sphere.center).length() - sphere.radius
-}
-
-/// Distance to a capped cylinder, negative inside. Round caps count, open ends are taken as closed: the field bounds solids.
-#[inline]
-#[must_use]
-pub fn cylinder_distance(p: Vec3, cylinder: &Cylinder) -> f32 {
-    let q = cylinder.cylinder_from_space * (p - cylinder.center);
-    let beyond = q.y.abs() - cylinder.half_length;
-    let across = (q.x * q.x + q.z * q.z).sqrt();
-    let round = (cylinder.caps >> if q.y > 0.0 { 2 } else { 0 }) & 3 == 2;
-    if round {
-        let up = beyond.max(0.0);
-        return (across * across + up * up).sqrt() - cylinder.radius;
-    }
-    let out = across - cylinder.radius;
-    out.max(beyond).min(0.0) + Vec2::new(out, beyond).max(Vec2::ZERO).length()
-}
-
-/// The `t` at which `p + t·direction` (a unit vector) is nearest to the axis of a cylinder.
-#[inline]
-#[must_use]
-pub fn nearest_on_way(p: Vec3, direction: Vec3, cylinder: &Cylinder) -> f32 {
-    let axis = cylinder.axis();
-    let to_center = cylinder.center - p;
-    let (along, across) = (direction.dot(to_center), axis.dot(to_center));
-    let cosine = direction.dot(axis);
-    let sine_squared = 1.0 - cosine * cosine;
-    // Parallel: every point of the axis is as near as the middle.
-    let s = if sine_squared > 1e-6 { (cosine * along - across) / sine_squared } else { 0.0 };
-    along + cosine * s.clamp(-cylinder.half_length, cylinder.half_length)
-}
 
 /// The distance field of a scene, world space.
 #[derive(Debug)]
@@ -56,14 +22,17 @@ pub struct Field {
     hierarchy: Hierarchy,
 }
 
+/// Parts of the way past a torus that are searched each on its own: through a ring it comes near the tube twice.
+const TORUS_STARTS: u32 = 8;
+
 /// Distances above the ground at which the field is asked for occlusion, as fractions of the reach.
 pub const OCCLUSION_TAPS: [f32; 6] = [0.03, 0.07, 0.16, 0.33, 0.6, 1.0];
 
 impl Field {
-    /// The field of all primitives of a scene.
+    /// The field of all primitives of a scene that throw shadows.
     #[must_use]
     pub fn new(scene: &Scene) -> Field {
-        let solids = Solids::new(scene, Affine3A::IDENTITY);
+        let solids = Solids::casting(scene, Affine3A::IDENTITY);
         let hierarchy = Hierarchy::new(&solids.bounds());
         Field { solids, hierarchy }
     }
@@ -80,6 +49,49 @@ impl Field {
         &self.hierarchy
     }
 
+    /// The distance of primitive `index`.
+    fn distance(&self, index: usize, p: Vec3) -> f32 {
+        match self.solids.primitive(index) {
+            Primitive::Sphere(i) => sphere_distance(p, &self.solids.spheres[i]),
+            Primitive::Cylinder(i) => cylinder_distance(p, &self.solids.cylinders[i]),
+            Primitive::Cone(i) => cone_distance(p, &self.solids.cones[i]),
+            Primitive::Torus(i) => torus_distance(p, &self.solids.tori[i]),
+            Primitive::Triangle(i) => triangle_distance(p, &self.solids.triangles[i]),
+        }
+    }
+
+    /// Where on the way `p + t·direction`, `t ≥ start`, primitive `index` lets least light through, and its distance there.
+    fn least_on_way(&self, index: usize, p: Vec3, direction: Vec3, start: f32) -> (f32, f32) {
+        let way = (p, direction, start);
+        match self.solids.primitive(index) {
+            Primitive::Sphere(i) => {
+                let sphere = &self.solids.spheres[i];
+                let t = (sphere.center - p).dot(direction).max(start);
+                (t, sphere_distance(p + direction * t, sphere))
+            }
+            Primitive::Cylinder(i) => {
+                let cylinder = &self.solids.cylinders[i];
+                let t = nearest_on_way(p, direction, cylinder).max(start);
+                (t, cylinder_distance(p + direction * t, cylinder))
+            }
+            Primitive::Cone(i) => {
+                let cone = &self.solids.cones[i];
+                let radius = cone.half_length + cone.radii[0].max(cone.radii[1]);
+                least_on_way(way, cone.center, radius, 1, |p| cone_distance(p, cone))
+            }
+            Primitive::Torus(i) => {
+                let torus = &self.solids.tori[i];
+                let radius = torus.ring_radius + torus.tube_radius;
+                least_on_way(way, torus.center, radius, TORUS_STARTS, |p| torus_distance(p, torus))
+            }
+            Primitive::Triangle(i) => {
+                let triangle = &self.solids.triangles[i];
+                let radius = triangle.corners.iter().fold(0.0, |most, corner| corner.length().max(most));
+                least_on_way(way, triangle.center, radius, 1, |p| triangle_distance(p, triangle))
+            }
+        }
+    }
+
     /// The signed distance at `p` and the primitive (index into [`Field::solids`]) that gives it; only primitives nearer
     /// than `limit` are asked: `(limit, None)` where there is none.
     #[must_use]
@@ -90,11 +102,7 @@ impl Field {
             // Inside a box the distance to what it holds may be negative: it is always entered.
             |best, b: &Aabb| Some(b.distance(p)).filter(|&d| d < best.0 || d == 0.0),
             |best, index| {
-                let i = index as usize;
-                let distance = match i.checked_sub(self.solids.spheres.len()) {
-                    None => sphere_distance(p, &self.solids.spheres[i]),
-                    Some(cylinder) => cylinder_distance(p, &self.solids.cylinders[cylinder]),
-                };
+                let distance = self.distance(index as usize, p);
                 if distance < best.0 {
                     *best = (distance, Some(index));
                 }
@@ -132,19 +140,7 @@ impl Field {
                 (farthest > 0.0 && sharpness * beside < *visible * farthest).then_some(beside)
             },
             |visible, index| {
-                let i = index as usize;
-                let (t, distance) = match i.checked_sub(self.solids.spheres.len()) {
-                    None => {
-                        let sphere = &self.solids.spheres[i];
-                        let t = (sphere.center - p).dot(to_light).max(start);
-                        (t, sphere_distance(p + to_light * t, sphere))
-                    }
-                    Some(c) => {
-                        let cylinder = &self.solids.cylinders[c];
-                        let t = nearest_on_way(p, to_light, cylinder).max(start);
-                        (t, cylinder_distance(p + to_light * t, cylinder))
-                    }
-                };
+                let (t, distance) = self.least_on_way(index as usize, p, to_light, start);
                 *visible = visible.min((sharpness * distance / t).max(0.0));
             },
         );
@@ -278,6 +274,9 @@ impl GroundMap {
     }
 }
 
+#[cfg(test)]
+#[path = "field_shape_tests.rs"]
+mod shape_tests;
 #[cfg(test)]
 #[path = "field_tests.rs"]
 mod tests;

@@ -11,7 +11,7 @@ pub struct Image {
     pub rgba: Vec<u8>,
 }
 
-/// The visible surface at the pixel centres, rows from the top.
+/// The visible surface at the pixel centres, rows from the top. What is see-through is part of it from an opacity of a half on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GBuffer {
     /// Width in pixels.

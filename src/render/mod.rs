@@ -5,18 +5,22 @@
 
 pub mod bounds;
 pub mod cpu;
+pub mod distance;
 pub mod field;
 pub mod frame;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod hierarchy;
 pub mod image;
+pub mod opacity;
 pub mod select;
 pub mod settings;
 pub mod sky;
 pub mod solids;
 #[cfg(test)]
 mod test_shapes;
+#[cfg(test)]
+mod test_solids;
 pub mod tubes;
 
 pub use image::{GBuffer, Image};

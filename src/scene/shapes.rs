@@ -1,6 +1,7 @@
 //! The instance bytes of cones, tori and triangles: as [`super::instances`], for what is less frequent.
 //!
-//! An alpha below 255 in a colour makes the primitive see-through: it is drawn in that part of the samples.
+//! An alpha below 255 in a colour (`color`, a cylinder's `color_a`, a triangle's first) makes the primitive see-through: it is drawn
+//! in that part of the samples. Below a half it throws no shadow, hides no sky and has no id, depth or normal in a picture.
 
 use crate::color::Srgb8;
 use crate::math::Aabb;

@@ -4,11 +4,14 @@ use ballstick::color::Srgb8;
 use ballstick::element::Element;
 use ballstick::render::View;
 use ballstick::scene::{
-    Background, Block, Camera, Cap, CylinderInstance, Item, Placement, Projection, Region, Scene, SceneOptions,
-    SphereInstance, Style,
+    Background, Block, Camera, Cap, ConeInstance, CylinderInstance, Item, Placement, Projection, Region, Scene,
+    SceneOptions, SphereInstance, Style, TorusInstance, TriangleInstance,
 };
 use ballstick::structure::{AtomRecord, Bond, BondOrder, BondSource, Diagnostics, Structure, StructureBuilder};
 use glam::{Affine3A, DVec3, Quat, Vec3};
+
+#[path = "shape_scenes.rs"]
+mod shapes;
 
 /// A scene and how it is looked at.
 pub(crate) struct Case {
@@ -39,7 +42,10 @@ fn stick(a: Vec3, b: Vec3, radius: f32, caps: (Cap, Cap), id: u32) -> CylinderIn
 
 fn scene_of(spheres: Vec<SphereInstance>, cylinders: Vec<CylinderInstance>) -> Scene {
     let id_count = (spheres.len() + cylinders.len()) as u32;
-    let block = Block { spheres, cylinders, id_count, ..Block::default() };
+    scene_of_block(Block { spheres, cylinders, id_count, ..Block::default() })
+}
+
+fn scene_of_block(block: Block) -> Scene {
     let placement = Placement { block: 0, world_from_block: Affine3A::IDENTITY, first_id: 0 };
     Scene::from_blocks(vec![block], vec![placement])
 }
@@ -146,6 +152,7 @@ pub(crate) fn all() -> Vec<Case> {
     (part.view.width, part.view.height) = (512, 384);
     part.view.region = Some(Region { x: 170, y: 150, width: WIDTH, height: HEIGHT });
     cases.push(part);
+    cases.extend(shapes::cases());
     cases
 }
 

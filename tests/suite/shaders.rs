@@ -3,11 +3,12 @@
 
 use ballstick::render::frame::FrameConstants;
 use ballstick::render::gpu::layout::{
-    CYLINDER_ATTRIBUTES, FieldConstants, PlacementConstants, SPHERE_ATTRIBUTES, SampleConstants,
+    CONE_ATTRIBUTES, CYLINDER_ATTRIBUTES, FieldConstants, PlacementConstants, SPHERE_ATTRIBUTES, SampleConstants,
+    TORUS_ATTRIBUTES, TRIANGLE_ATTRIBUTES,
 };
 use ballstick::render::gpu::{GpuRenderer, shaders};
 use ballstick::render::{Renderer, Settings, View};
-use ballstick::scene::{CylinderInstance, SphereInstance};
+use ballstick::scene::{ConeInstance, CylinderInstance, SphereInstance, TorusInstance, TriangleInstance};
 use std::mem::offset_of;
 use std::sync::Arc;
 use wgpu::naga;
@@ -75,7 +76,7 @@ fn uniforms_have_the_same_bytes_in_rust_and_wgsl() {
         key_in_world "key_in_world", bounds_min "bounds_min", bounds_max "bounds_max", grid "grid", sky "sky",
     ]);
     assert_same_layout!("common.wgsl", SampleConstants, "SampleConstants", [
-        origin "origin", size "size", offset "offset", done "done", reserved "reserved",
+        origin "origin", size "size", offset "offset", done "done", turn "turn",
     ]);
     assert_same_layout!("field.wgsl", FieldConstants, "FieldConstants", [levels "levels", counts "counts"]);
     let (members, size) = members(&parsed("geometry.wgsl"), "PlacementConstants");
@@ -127,11 +128,52 @@ fn instance_attributes_are_the_fields_of_the_instances() {
     assert_eq!(inputs("cylinder.wgsl", "vs_cylinder"), shapes(&cylinders));
 }
 
+/// Location, number of 32-bit components and offset of each attribute.
+fn fields(attributes: &[wgpu::VertexAttribute]) -> Vec<(u32, u32, usize)> {
+    attributes.iter().map(|a| (a.shader_location, a.format.size() as u32 / 4, a.offset as usize)).collect()
+}
+
+#[test]
+fn attributes_of_cones_tori_and_triangles_are_their_fields() {
+    let cones = fields(&CONE_ATTRIBUTES);
+    let of = [offset_of!(ConeInstance, a), offset_of!(ConeInstance, b), offset_of!(ConeInstance, color)];
+    assert_eq!(cones, [(0, 4, of[0]), (1, 4, of[1]), (2, 2, of[2])]);
+    assert_eq!(offset_of!(ConeInstance, radius_a), of[0] + 12);
+    assert_eq!(offset_of!(ConeInstance, radius_b), of[1] + 12);
+    assert_eq!(offset_of!(ConeInstance, id), of[2] + 4);
+    let tori = fields(&TORUS_ATTRIBUTES);
+    let of = [offset_of!(TorusInstance, center), offset_of!(TorusInstance, axis), offset_of!(TorusInstance, color)];
+    assert_eq!(tori, [(0, 4, of[0]), (1, 4, of[1]), (2, 2, of[2])]);
+    assert_eq!(offset_of!(TorusInstance, ring_radius), of[0] + 12);
+    assert_eq!(offset_of!(TorusInstance, tube_radius), of[1] + 12);
+    assert_eq!(offset_of!(TorusInstance, id), of[2] + 4);
+    let triangles = fields(&TRIANGLE_ATTRIBUTES);
+    let (corners, normals) = (offset_of!(TriangleInstance, corners), offset_of!(TriangleInstance, normals));
+    let colors = offset_of!(TriangleInstance, colors);
+    let rows =
+        (0..3).map(|i| (i, 3, corners + 12 * i as usize)).chain((0..3).map(|i| (3 + i, 3, normals + 12 * i as usize)));
+    assert_eq!(triangles, rows.chain([(6, 4, colors)]).collect::<Vec<_>>());
+    assert_eq!(offset_of!(TriangleInstance, id), colors + 12);
+    for (file, entry, attributes) in
+        [("cone.wgsl", "vs_cone", cones), ("torus.wgsl", "vs_torus", tori), ("triangle.wgsl", "vs_triangle", triangles)]
+    {
+        assert_eq!(inputs(file, entry), attributes.iter().map(|a| (a.0, a.1)).collect::<Vec<_>>(), "{file}");
+    }
+}
+
+#[test]
+fn numbers_that_both_sides_hold_are_the_same() {
+    let holds = |file: &str, line: String| assert!(shaders::source(file).unwrap().contains(&line), "{file}: {line}");
+    let offset = ballstick::render::sky::START_OFFSET;
+    holds("sky.wgsl", format!("const START_OFFSET: f32 = {offset:e};"));
+    holds("torus.wgsl", format!("const TORUS_PIECES: u32 = {}u;", ballstick::render::bounds::TORUS_PIECES));
+}
+
 /// Builds all pipelines on a device that checks everything and draws nothing, then makes every call of a picture.
 fn draws_under(limits: &wgpu::Limits) {
     let mut renderer = GpuRenderer::noop(limits).unwrap();
     let cases = crate::scenes::all();
-    let case = cases.iter().find(|case| case.name == "molecule_on_ground").unwrap();
+    let case = cases.iter().find(|case| case.name == "all_primitives_on_ground").unwrap();
     renderer.load(Arc::new(case.scene.clone())).unwrap();
     let settings = Settings { samples: 3, ground_texels: 2048, ao: 5, shadow: true };
     let image = renderer.image(&case.view, &settings).unwrap();

@@ -2,7 +2,7 @@
 
 use crate::render::bounds::{BoundsCamera, PlaneRect, cylinder_rect, sphere_rect};
 use crate::render::settings::View;
-use crate::render::solids::Solids;
+use crate::render::solids::{Primitive, Solids};
 use crate::scene::Region;
 use glam::Vec2;
 use rayon::prelude::*;
@@ -62,7 +62,6 @@ impl Bins {
         let tiles = [region.width.div_ceil(tile), region.height.div_ceil(tile)];
         let grid = view.pixel_grid();
         let camera = BoundsCamera { orthographic: grid.orthographic, near: view.camera.near };
-        let sphere_count = solids.spheres.len();
         let to_pixels = |rect: PlaneRect| {
             let px = 1.0 / grid.plane_per_px;
             // The picture's y runs down.
@@ -73,17 +72,18 @@ impl Bins {
             .into_par_iter()
             .with_min_len(4096)
             .filter_map(|i| {
-                let (rect, nearest) = match i.checked_sub(sphere_count) {
-                    None => {
+                let (rect, nearest) = match solids.primitive(i) {
+                    Primitive::Sphere(i) => {
                         let sphere = &solids.spheres[i];
                         (sphere_rect(sphere.center, sphere.radius, &camera)?, -sphere.center.z - sphere.radius)
                     }
-                    Some(c) => {
-                        let cylinder = &solids.cylinders[c];
+                    Primitive::Cylinder(i) => {
+                        let cylinder = &solids.cylinders[i];
                         let [a, b] = cylinder.ends();
                         let nearest = (-a.z).min(-b.z) - cylinder.radius;
                         (cylinder_rect(a, b, cylinder.radius, cylinder.round(), &camera)?, nearest)
                     }
+                    _ => return None,
                 };
                 // Rounding of a depth of this size.
                 let nearest = nearest - 1e-5 * nearest.abs();

@@ -1,12 +1,13 @@
 //! Light from afar for sixteen points at a time: the tubes of a scene, and which of the points see the light along them.
 
+use super::intersect::primitive_t;
 use super::lanes::{LANES, Lanes, max, min, whole};
 use crate::render::frame::FrameConstants;
 use crate::render::settings::{Settings, View};
 use crate::render::sky::{Reach, Turns};
-use crate::render::solids::{Cylinder, Solids};
-use crate::render::tubes::{Tubes, tubes};
-use crate::scene::Scene;
+use crate::render::solids::{Cylinder, Primitive, Solids};
+use crate::render::tubes::{Bound, Bounds, Tubes, tubes};
+use crate::scene::{Ray, Scene};
 use glam::{Affine3A, Vec3};
 
 /// The tubes of a scene under one light.
@@ -35,17 +36,17 @@ impl Lights {
         if sky == self.sky_of && key == self.key_of {
             return;
         }
-        let solids = Solids::new(scene, Affine3A::IDENTITY);
+        let bounds = Bounds::new(&Solids::new(scene, Affine3A::IDENTITY));
         if sky != self.sky_of {
             self.sky = Default::default(); // the old ones go first
             let turns = Turns::of_sky(sky[0], sky[1]);
-            let tubes = tubes(&solids, self.center, &turns.directions);
+            let tubes = tubes(&bounds, self.center, &turns.directions);
             (self.sky, self.sky_of) = ((turns, tubes), sky);
         }
         if key != self.key_of {
             self.key = Default::default();
             let turns = if settings.shadow { Turns::of_key(key.0, key.1) } else { Turns::default() };
-            let tubes = tubes(&solids, self.center, &turns.directions);
+            let tubes = tubes(&bounds, self.center, &turns.directions);
             (self.key, self.key_of) = ((turns, tubes), key);
         }
     }
@@ -198,15 +199,15 @@ type Mask = [u32; LANES];
 fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Points, free: &mut Mask) {
     for &index in list {
         let i = index as usize;
-        let left = match i.checked_sub(solids.spheres.len()) {
-            None => {
+        let left = match solids.primitive(i) {
+            Primitive::Sphere(i) => {
                 let sphere = &solids.spheres[i];
                 if sphere.center.dot(d) + sphere.radius <= low {
                     break; // neither this one nor those after it reach up to the points
                 }
                 behind_sphere(sphere.center, sphere.radius, index, d, points, free)
             }
-            Some(c) => {
+            Primitive::Cylinder(c) => {
                 let cylinder = &solids.cylinders[c];
                 let cosine = cylinder.axis().dot(d);
                 if cylinder.center.dot(d) + cylinder.half_length * cosine.abs() + cylinder.radius <= low {
@@ -219,6 +220,12 @@ fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Points, free:
                     }
                 }
                 left
+            }
+            _ => {
+                if Bound::of(solids, i).top(d) <= low {
+                    break;
+                }
+                behind_other(solids, i, d, points, free)
             }
         };
         if left == 0 {
@@ -241,6 +248,22 @@ fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Points, fre
         let hit = (away < r2) | ((along > 0.0) & (away - along * along < r2));
         let hides = hit & (points.own[lane] != index);
         free[lane] = if hides { 0 } else { free[lane] };
+        left |= free[lane];
+    }
+    left
+}
+
+/// Clears the lanes that a cone, torus or triangle hides the light from; bits of those that are left. Tori and curved
+/// meshes hide themselves.
+fn behind_other(solids: &Solids, index: usize, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
+    let mut left = 0;
+    for lane in 0..LANES {
+        if free[lane] != 0 {
+            let origin = Vec3::new(points.position[0][lane], points.position[1][lane], points.position[2][lane]);
+            if primitive_t(&Ray { origin, direction: d }, solids, index, 0.0).is_finite() {
+                free[lane] = 0;
+            }
+        }
         left |= free[lane];
     }
     left

@@ -1,6 +1,6 @@
 //! The reference: plain, scalar, single-threaded ray casting over one hierarchy. The only writer of golden pictures.
 
-use super::intersect::{cylinder_t, sphere_t};
+use super::intersect::primitive_t;
 use super::shader::Shader;
 use crate::math::Aabb;
 use crate::render::field::{Field, GroundMap};
@@ -27,8 +27,8 @@ impl Reference {
         Reference { solids, hierarchy, near: view.camera.near }
     }
 
-    /// The nearest primitive and its depth; of equals the first.
-    fn nearest(&self, ray: &Ray) -> Option<(u32, f32)> {
+    /// The nearest primitive that is there in a sample (index and number of all), and its depth; of equals the first.
+    fn nearest(&self, ray: &Ray, [sample, samples]: [u32; 2]) -> Option<(u32, f32)> {
         let inverse = ray.direction.recip();
         let mut best = (f32::INFINITY, u32::MAX);
         self.hierarchy.visit(
@@ -40,12 +40,8 @@ impl Reference {
                 (leave >= self.near && enter <= best.0).then_some(enter)
             },
             |best, index| {
-                let i = index as usize;
-                let t = match i.checked_sub(self.solids.spheres.len()) {
-                    None => sphere_t(ray, &self.solids.spheres[i], self.near),
-                    Some(cylinder) => cylinder_t(ray, &self.solids.cylinders[cylinder], self.near),
-                };
-                if (t, index) < *best {
+                let t = primitive_t(ray, &self.solids, index as usize, self.near);
+                if (t, index) < *best && self.solids.is_drawn(index as usize, sample, samples) {
                     *best = (t, index);
                 }
             },
@@ -53,7 +49,7 @@ impl Reference {
         best.0.is_finite().then_some((best.1, best.0))
     }
 
-    /// Whether nothing stands between a point and the sky in this direction.
+    /// Whether nothing stands between a point and the sky in this direction. What is hardly there hides nothing.
     fn is_free(&self, ray: &Ray) -> bool {
         let inverse = ray.direction.recip();
         let mut free = true;
@@ -65,12 +61,8 @@ impl Reference {
                 (*free && leave >= 0.0).then_some(enter)
             },
             |free, index| {
-                let i = index as usize;
-                let t = match i.checked_sub(self.solids.spheres.len()) {
-                    None => sphere_t(ray, &self.solids.spheres[i], 0.0),
-                    Some(cylinder) => cylinder_t(ray, &self.solids.cylinders[cylinder], 0.0),
-                };
-                *free &= t.is_infinite();
+                let t = primitive_t(ray, &self.solids, index as usize, 0.0);
+                *free &= t.is_infinite() || !self.solids.is_drawn(index as usize, 0, 1);
             },
         );
         free
@@ -138,7 +130,8 @@ pub fn image(scene: &Scene, view: &View, settings: &Settings) -> Image {
         for sample in 0..samples {
             let [dx, dy] = sample_offset(sample, samples);
             let ray = grid.ray(grid.plane(x + dx, y + dy));
-            let Some((index, t)) = reference.nearest(&ray).filter(|&(_, t)| shader.is_seen(&ray, t)) else {
+            let Some((index, t)) = reference.nearest(&ray, [sample, samples]).filter(|&(_, t)| shader.is_seen(&ray, t))
+            else {
                 unseen += 1;
                 continue;
             };
@@ -165,7 +158,7 @@ pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
     let mut buffer = GBuffer::with_capacity(region.width, region.height);
     for_each_pixel(view, |x, y| {
         let ray = grid.ray(grid.plane(x + 0.5, y + 0.5));
-        buffer.push(shader.facts(&ray, reference.nearest(&ray)));
+        buffer.push(shader.facts(&ray, reference.nearest(&ray, [0, 1])));
     });
     buffer
 }

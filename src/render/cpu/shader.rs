@@ -1,12 +1,12 @@
 //! From a hit to a colour: what the reference and the tiles share, so that they cannot differ.
 
-use super::intersect::{cylinder_half, cylinder_normal, sphere_normal};
+use super::intersect::{cylinder_half, primitive_normal, triangle_weights};
 use super::lanes::{LANES, Lanes};
 use crate::render::field::GroundMap;
 use crate::render::frame::{FrameConstants, Surface, ground_t, shade_background, shade_ground, shade_surface};
 use crate::render::image::GBuffer;
 use crate::render::sky::Reach;
-use crate::render::solids::Solids;
+use crate::render::solids::{Primitive, Solids};
 use crate::scene::Ray;
 use glam::{Affine3A, Vec3, Vec4};
 
@@ -34,15 +34,20 @@ impl<'a> Shader<'a> {
 
     /// Normal in view space and linear colour of a hit.
     pub(super) fn surface(&self, ray: &Ray, index: u32, t: f32) -> Surface {
-        let near = self.frame.depth[2];
         let index = index as usize;
-        let (normal, color) = match index.checked_sub(self.solids.spheres.len()) {
-            None => (sphere_normal(ray, &self.solids.spheres[index], near, t), self.solids.sphere_looks[index].0),
-            Some(i) => {
-                let cylinder = &self.solids.cylinders[i];
+        let normal = primitive_normal(ray, self.solids, index, self.frame.depth[2], t);
+        let color = match self.solids.primitive(index) {
+            Primitive::Sphere(i) => self.solids.sphere_looks[i].0,
+            Primitive::Cylinder(i) => {
                 let (a, b, _) = self.solids.cylinder_looks[i];
-                let color = if cylinder_half(ray, cylinder, t) { b } else { a };
-                (cylinder_normal(ray, cylinder, near, t), color)
+                if cylinder_half(ray, &self.solids.cylinders[i], t) { b } else { a }
+            }
+            Primitive::Cone(i) => self.solids.cone_looks[i].0,
+            Primitive::Torus(i) => self.solids.torus_looks[i].0,
+            Primitive::Triangle(i) => {
+                let weights = triangle_weights(ray, &self.solids.triangles[i]);
+                let [a, b, c] = self.solids.triangle_looks[i].0.map(|color| Vec3::from(color.to_linear()));
+                return Surface { depth: t, normal, albedo: a * weights.x + b * weights.y + c * weights.z };
             }
         };
         Surface { depth: t, normal, albedo: color.to_linear().into() }

@@ -4,6 +4,7 @@ use super::device::Gpu;
 use super::instances::Instances;
 use super::layout::SampleConstants;
 use super::pipelines::Pipelines;
+use super::sky::Sky;
 use super::targets::Targets;
 use crate::error::Result;
 use crate::render::settings::sample_offset;
@@ -22,8 +23,9 @@ pub(super) struct Draw<'a> {
     /// The [`SampleConstants`] of group 0.
     pub(super) sample_buffer: &'a wgpu::Buffer,
     pub(super) instances: Option<&'a Instances>,
-    /// Group 2 of the shade pass.
-    pub(super) sky_group: &'a wgpu::BindGroup,
+    pub(super) sky: &'a Sky,
+    /// Whether the sky or the key light are asked what reaches a surface.
+    pub(super) asks: bool,
 }
 
 pub(super) fn cleared(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
@@ -44,9 +46,11 @@ pub(super) fn cleared_depth(view: &wgpu::TextureView) -> wgpu::RenderPassDepthSt
 }
 
 impl Draw<'_> {
-    fn set_sample(&self, region: Region, offset: [f32; 2], done: u32) {
+    /// Sample `done` of `total`.
+    fn set_sample(&self, region: Region, [done, total]: [u32; 2]) {
         let (origin, size) = ([region.x, region.y], [region.width, region.height]);
-        let constants = SampleConstants { origin, size, offset, done, reserved: 0 };
+        let (offset, turn) = (sample_offset(done, total), SampleConstants::pack_turn(done, total));
+        let constants = SampleConstants { origin, size, offset, done, turn };
         self.gpu.queue.write_buffer(self.sample_buffer, 0, bytemuck::bytes_of(&constants));
     }
 
@@ -91,15 +95,18 @@ impl Draw<'_> {
     /// Adds samples `first..end` of `total` to the sums.
     pub(super) fn samples(&self, targets: &Targets, region: Region, [first, end]: [u32; 2], total: u32) -> Result<()> {
         let mut under_way = VecDeque::new();
+        // Tubes of one sample at a time are large.
+        let in_flight = if self.asks && self.sky.is_split() { 1 } else { IN_FLIGHT };
         for done in first..end {
-            self.set_sample(region, sample_offset(done, total), done);
+            let sky_group = self.sky.group(self.gpu, self.pipelines, self.asks, done);
+            self.set_sample(region, [done, total]);
             let from = (done % 2) as usize;
             under_way.push_back(self.gpu.submit("sample", |encoder| {
                 self.geometry(encoder, targets, region);
-                let (groups, target) = ([&targets.shade_groups[from], self.sky_group], &targets.sums[1 - from]);
+                let (groups, target) = ([&targets.shade_groups[from], &sky_group], &targets.sums[1 - from]);
                 self.fullscreen(encoder, &self.pipelines.shade, &groups, target, region);
             }));
-            if under_way.len() > IN_FLIGHT
+            if under_way.len() > in_flight
                 && let Some(oldest) = under_way.pop_front()
             {
                 self.gpu.wait(&oldest)?;
@@ -110,7 +117,7 @@ impl Draw<'_> {
 
     /// The surface at the pixel centres.
     pub(super) fn surface(&self, targets: &Targets, region: Region) {
-        self.set_sample(region, [0.5, 0.5], 0);
+        self.set_sample(region, [0, 1]);
         self.gpu.submit("surface", |encoder| self.geometry(encoder, targets, region));
     }
 
@@ -123,7 +130,7 @@ impl Draw<'_> {
         region: Region,
         samples: u32,
     ) -> wgpu::SubmissionIndex {
-        self.set_sample(region, [0.5, 0.5], samples);
+        self.set_sample(region, [samples, samples]);
         let group = self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("resolve"),
             layout: &self.pipelines.resolve_layout,

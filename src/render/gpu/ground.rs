@@ -9,8 +9,11 @@ use super::pipelines::Pipelines;
 use crate::error::Result;
 use crate::render::field::Field;
 use crate::render::frame::FrameConstants;
+use crate::render::solids::{Primitive, Solids};
+use crate::render::tubes::Bounds;
 use crate::scene::Scene;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Texels of one submission: small enough that a slow device finishes it well before its watchdog (2 s on Windows)
 /// wakes. A texel asks the field seven times.
@@ -19,8 +22,17 @@ const TEXELS_A_SUBMISSION: u32 = 16_384;
 /// The field of the loaded scene, wherever it can be asked.
 #[derive(Debug)]
 enum FieldHome {
-    Device { group: wgpu::BindGroup },
+    Device { group: wgpu::BindGroup, casters: Casters },
     Host(Box<Field>),
+}
+
+/// The field's primitives, which also hide the light from afar.
+#[derive(Debug, Clone)]
+pub(super) struct Casters {
+    /// As shaders/field.wgsl describes.
+    pub(super) texels: wgpu::TextureView,
+    /// Numbered as in the texels.
+    pub(super) bounds: Arc<Bounds>,
 }
 
 /// What the ground needs, kept from picture to picture.
@@ -51,6 +63,22 @@ impl Ground {
         }
     }
 
+    /// The primitives on the device; `None` where they do not fit it.
+    pub(super) fn casters(&mut self, gpu: &Gpu, pipelines: &Pipelines, scene: &Scene) -> Result<Option<&Casters>> {
+        let field = self.take_field(gpu, pipelines, scene)?;
+        Ok(match self.field.insert(field) {
+            FieldHome::Device { casters, .. } => Some(casters),
+            FieldHome::Host(_) => None,
+        })
+    }
+
+    fn take_field(&mut self, gpu: &Gpu, pipelines: &Pipelines, scene: &Scene) -> Result<FieldHome> {
+        match self.field.take() {
+            Some(field) => Ok(field),
+            None => gpu.guard("uploading the distance field", || Ok(FieldHome::new(gpu, pipelines, scene))),
+        }
+    }
+
     /// Makes the map of this frame unless it is there. The frame's uniform is written already.
     pub(super) fn prepare(
         &mut self,
@@ -64,13 +92,10 @@ impl Ground {
             return Ok(());
         }
         self.map = None;
-        let field = match self.field.take() {
-            Some(field) => field,
-            None => gpu.guard("uploading the distance field", || Ok(FieldHome::new(gpu, pipelines, scene)))?,
-        };
+        let field = self.take_field(gpu, pipelines, scene)?;
         let size = frame.ground_grid().size;
         let made = gpu.guard("the ground map", || match &field {
-            FieldHome::Device { group } => draw(gpu, pipelines, frame_group, group, size),
+            FieldHome::Device { group, .. } => draw(gpu, pipelines, frame_group, group, size),
             FieldHome::Host(field) => Ok(upload(gpu, &field.ground_map(frame))),
         });
         self.field = Some(field);
@@ -122,19 +147,19 @@ fn draw(
 fn upload(gpu: &Gpu, map: &crate::render::field::GroundMap) -> wgpu::TextureView {
     let usage = wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING;
     let texture = gpu.texture("ground map", map.size, GROUND_FORMAT, usage);
-    write_rows(gpu, &texture, map.size, bytemuck::cast_slice(&map.texels));
+    write_rows(gpu, &texture, 0, map.size, bytemuck::cast_slice(&map.texels));
     view_of(&texture)
 }
 
-/// Writes all rows of a texture, some megabytes at a time.
-pub(super) fn write_rows(gpu: &Gpu, texture: &wgpu::Texture, [width, height]: [u32; 2], bytes: &[u8]) {
+/// Writes rows of a texture from `first` on, some megabytes at a time.
+pub(super) fn write_rows(gpu: &Gpu, texture: &wgpu::Texture, first: u32, [width, height]: [u32; 2], bytes: &[u8]) {
     let row = bytes.len() / height.max(1) as usize;
     if row == 0 {
         return;
     }
     let rows = ((8 << 20) / row).max(1);
     for (index, part) in bytes.chunks(rows * row).enumerate() {
-        let (y, height) = ((index * rows) as u32, (part.len() / row) as u32);
+        let (y, height) = (first + (index * rows) as u32, (part.len() / row) as u32);
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture,
@@ -155,10 +180,13 @@ impl FieldHome {
         let field = Field::new(scene);
         let hierarchy = field.hierarchy();
         let rows = |texels: usize| texels.div_ceil(FIELD_ROW as usize);
-        let most = 2 * hierarchy.order.len().max(hierarchy.boxes.len());
+        let solids = field.solids();
+        let rare = solids.cones.len() + solids.tori.len() + solids.triangles.len();
+        let most = 2 * hierarchy.boxes.len().max(hierarchy.order.len() + 2 * rare);
         let limit = gpu.limits.max_texture_dimension_2d as usize;
-        // Node numbers below 2^31 and levels as the shader's table holds them.
-        if rows(most) > limit || hierarchy.levels.len() > 17 || FIELD_ROW as usize > limit {
+        // Node numbers below 2^31, texel numbers that f32 holds, and levels as the shader's table holds them.
+        let is_too_large = rows(most) > limit || (rare > 0 && most > 1 << 24);
+        if is_too_large || hierarchy.levels.len() > 17 || FIELD_ROW as usize > limit {
             return FieldHome::Host(Box::new(field));
         }
         let mut levels = [0; 20];
@@ -166,27 +194,9 @@ impl FieldHome {
         let counts = [hierarchy.depth() as u32, hierarchy.order.len() as u32, 0, 0];
         let constants = FieldConstants { levels, counts };
         let constants = gpu.buffer("field", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(&constants));
-        let pair = |a: Vec3, aw: f32, b: Vec3, bw: f32| [a.extend(aw).to_array(), b.extend(bw).to_array()];
         let boxes = texels(gpu, "field boxes", hierarchy.boxes.iter().map(|b| pair(b.min, 0.0, b.max, 0.0)));
-        let solids = field.solids();
-        // The packing that shaders/field.wgsl describes.
-        let primitives = hierarchy.order.iter().map(|&index| {
-            let index = index as usize;
-            match index.checked_sub(solids.spheres.len()) {
-                None => {
-                    let sphere = &solids.spheres[index];
-                    pair(sphere.center, -sphere.radius, Vec3::ZERO, 0.0)
-                }
-                Some(i) => {
-                    let stick = &solids.cylinders[i];
-                    let signed = |length: f32, round: bool| if round { -length } else { length };
-                    let [round_a, round_b] = stick.round();
-                    let (radius, half) = (signed(stick.radius, round_a), signed(stick.half_length, round_b));
-                    pair(stick.center, radius, stick.axis(), half)
-                }
-            }
-        });
-        let primitives = texels(gpu, "field primitives", primitives);
+        let primitives = packed(solids, &hierarchy.order);
+        let primitives = texels(gpu, "field primitives", primitives.into_iter());
         let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("field"),
             layout: &pipelines.field_layout,
@@ -196,8 +206,60 @@ impl FieldHome {
                 wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(&primitives) },
             ],
         });
-        FieldHome::Device { group }
+        let bounds = Arc::new(Bounds::in_order(solids, &hierarchy.order));
+        FieldHome::Device { group, casters: Casters { texels: primitives, bounds } }
     }
+}
+
+fn pair(a: Vec3, aw: f32, b: Vec3, bw: f32) -> [[f32; 4]; 2] {
+    [a.extend(aw).to_array(), b.extend(bw).to_array()]
+}
+
+/// Twin of `RARE` in shaders/distance.wgsl.
+const RARE: f32 = 1e30;
+
+/// Pairs of texels of all primitives in the hierarchy's order, then what the rare ones take more of: the packing that
+/// shaders/field.wgsl and shaders/distance.wgsl describe.
+fn packed(solids: &Solids, order: &[u32]) -> Vec<[[f32; 4]; 2]> {
+    let mut pairs = Vec::with_capacity(order.len());
+    let mut rest: Vec<[[f32; 4]; 2]> = Vec::new();
+    for &index in order {
+        let mut more = |kind: u32, center: Vec3, [a, b, c]: [[f32; 4]; 3]| {
+            let first = 2 * (order.len() + rest.len());
+            rest.extend([[a, b], [c, [0.0; 4]]]);
+            pair(center, kind as f32 * RARE, Vec3::X * first as f32, 0.0)
+        };
+        pairs.push(match solids.primitive(index as usize) {
+            Primitive::Sphere(i) => {
+                let sphere = &solids.spheres[i];
+                pair(sphere.center, -sphere.radius, Vec3::ZERO, 0.0)
+            }
+            Primitive::Cylinder(i) => {
+                let stick = &solids.cylinders[i];
+                let signed = |length: f32, round: bool| if round { -length } else { length };
+                let [round_a, round_b] = stick.round();
+                let (radius, half) = (signed(stick.radius, round_a), signed(stick.half_length, round_b));
+                pair(stick.center, radius, stick.axis(), half)
+            }
+            Primitive::Cone(i) => {
+                let cone = &solids.cones[i];
+                let [a, b] = cone.radii;
+                let axis = cone.axis().extend(cone.half_length).to_array();
+                more(1, cone.center, [axis, [a, b, 0.0, 0.0], [0.0; 4]])
+            }
+            Primitive::Torus(i) => {
+                let torus = &solids.tori[i];
+                let axis = torus.axis().extend(torus.ring_radius).to_array();
+                more(2, torus.center, [axis, [torus.tube_radius, 0.0, 0.0, 0.0], [0.0; 4]])
+            }
+            Primitive::Triangle(i) => {
+                let triangle = &solids.triangles[i];
+                more(3, triangle.center, triangle.corners.map(|corner| corner.extend(0.0).to_array()))
+            }
+        });
+    }
+    pairs.extend(rest);
+    pairs
 }
 
 /// A texture of pairs of texels, row by row.
@@ -209,6 +271,6 @@ fn texels(gpu: &Gpu, label: &str, pairs: impl ExactSizeIterator<Item = [[f32; 4]
     let usage = wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING;
     let size = [FIELD_ROW, rows as u32];
     let texture = gpu.texture(label, size, FIELD_FORMAT, usage);
-    write_rows(gpu, &texture, size, bytemuck::cast_slice(&data));
+    write_rows(gpu, &texture, 0, size, bytemuck::cast_slice(&data));
     view_of(&texture)
 }

@@ -1,7 +1,7 @@
 //! The scene's primitives on the device: the instance bytes unchanged, each block once, and the placements' uniforms.
 
 use super::device::Gpu;
-use super::layout::PlacementConstants;
+use super::layout::{KINDS, PlacementConstants, VERTICES};
 use super::pipelines::Pipelines;
 use crate::error::{Error, Result};
 use crate::scene::{Block, Scene};
@@ -30,19 +30,17 @@ impl Chunks {
         )
     }
 
-    fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, vertices: u32) {
         for (buffer, count) in &self.0 {
             pass.set_vertex_buffer(0, buffer.slice(..));
-            pass.draw(0..4, 0..*count);
+            pass.draw(0..vertices, 0..*count);
         }
     }
 }
 
+/// The primitives of a block by kind: spheres, cylinders, cones, tori, triangles.
 #[derive(Debug)]
-struct BlockBuffers {
-    spheres: Chunks,
-    cylinders: Chunks,
-}
+struct BlockBuffers([Chunks; KINDS]);
 
 /// All blocks and placements of a scene.
 #[derive(Debug)]
@@ -71,9 +69,14 @@ impl Instances {
             )));
         }
         gpu.guard("uploading the scene", || {
-            let upload = |block: &Block| BlockBuffers {
-                spheres: Chunks::new(gpu, "spheres", &block.spheres),
-                cylinders: Chunks::new(gpu, "cylinders", &block.cylinders),
+            let upload = |block: &Block| {
+                BlockBuffers([
+                    Chunks::new(gpu, "spheres", &block.spheres),
+                    Chunks::new(gpu, "cylinders", &block.cylinders),
+                    Chunks::new(gpu, "cones", &block.cones),
+                    Chunks::new(gpu, "tori", &block.tori),
+                    Chunks::new(gpu, "triangles", &block.triangles),
+                ])
             };
             let constants = gpu.empty_buffer("placements", wgpu::BufferUsages::UNIFORM, size);
             let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -111,20 +114,18 @@ impl Instances {
         }
     }
 
-    /// Draws everything in the reference's order: all spheres, then all cylinders, each with its pipeline.
-    pub(super) fn draw(&self, pipelines: &[wgpu::RenderPipeline; 2], pass: &mut wgpu::RenderPass<'_>) {
-        type ChunksOf = fn(&BlockBuffers) -> &Chunks;
-        let kinds: [ChunksOf; 2] = [|block| &block.spheres, |block| &block.cylinders];
-        for (pipeline, chunks_of) in pipelines.iter().zip(kinds) {
+    /// Draws everything in the reference's order: all spheres, all cylinders and so on, each kind with its pipeline.
+    pub(super) fn draw(&self, pipelines: &[wgpu::RenderPipeline; KINDS], pass: &mut wgpu::RenderPass<'_>) {
+        for (kind, pipeline) in pipelines.iter().enumerate() {
+            let drawn =
+                || self.placed.iter().enumerate().filter(|(_, block)| !self.blocks[**block].0[kind].0.is_empty());
+            if drawn().next().is_none() {
+                continue;
+            }
             pass.set_pipeline(pipeline);
-            let mut offset = 0;
-            for &block in &self.placed {
-                let chunks = chunks_of(&self.blocks[block]);
-                if !chunks.0.is_empty() {
-                    pass.set_bind_group(1, &self.group, &[offset]);
-                    chunks.draw(pass);
-                }
-                offset += self.stride;
+            for (placement, &block) in drawn() {
+                pass.set_bind_group(1, &self.group, &[placement as u32 * self.stride]);
+                self.blocks[block].0[kind].draw(pass, VERTICES[kind]);
             }
         }
     }

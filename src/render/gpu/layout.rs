@@ -1,6 +1,8 @@
 //! Bytes that cross to the device: uniforms, instance attributes, texel packing. Tests compare them with the WGSL.
 
+use crate::render::bounds::TORUS_PIECES;
 use crate::render::frame::FrameConstants;
+use crate::render::opacity::sample_turn;
 use glam::{Affine3A, Vec2, Vec3};
 
 /// Twin of the WGSL `SampleConstants`.
@@ -15,8 +17,17 @@ pub struct SampleConstants {
     pub offset: [f32; 2],
     /// Samples summed before this one; in the resolve pass, all of them.
     pub done: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// The sample's turn among those in which see-through primitives are there, and 65536 times log2 of their number.
+    pub turn: u32,
+}
+
+impl SampleConstants {
+    /// Turn of sample `index` of `count`, packed.
+    #[must_use]
+    pub fn pack_turn(index: u32, count: u32) -> u32 {
+        let (turn, turns) = sample_turn(index, count.min(4096));
+        turn | turns.trailing_zeros() << 16
+    }
 }
 
 /// Twin of the WGSL `PlacementConstants`.
@@ -60,12 +71,31 @@ pub const SPHERE_ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_arra
 pub const CYLINDER_ATTRIBUTES: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x3, 2 => Uint32, 3 => Uint32x3];
 
+/// Attributes of a [`crate::scene::ConeInstance`], as `vs_cone` reads them.
+pub const CONE_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
+    wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x4, 2 => Uint32x2];
+
+/// Attributes of a [`crate::scene::TorusInstance`], as `vs_torus` reads them.
+pub const TORUS_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
+    wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x4, 2 => Uint32x2];
+
+/// Attributes of a [`crate::scene::TriangleInstance`], as `vs_triangle` reads them.
+pub const TRIANGLE_ATTRIBUTES: [wgpu::VertexAttribute; 7] = wgpu::vertex_attr_array![
+    0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x3, 4 => Float32x3, 5 => Float32x3, 6 => Uint32x4
+];
+
+/// Vertices of an instance of each kind: a quad, and for a torus six a piece of its tube.
+pub const VERTICES: [u32; KINDS] = [4, 4, 4, 6 * TORUS_PIECES, 4];
+
+/// Kinds of primitives, each with a pipeline of its own: spheres, cylinders, cones, tori, triangles.
+pub const KINDS: usize = 5;
+
 /// Texels of the surface target: id, depth, normal, colour.
 pub const SURFACE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 /// Depth of the geometry pass.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// Texels of a light's map: steps of height.
-pub const HEIGHT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Uint;
+/// Tubes of a light: numbers of primitives, and where their lists start.
+pub const WORD_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 /// Sums of samples, floats in integer bits.
 pub const SUM_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 /// The finished picture.

@@ -17,7 +17,10 @@ pub const FILES: &[(&str, &str)] = embed![
     "bounds.wgsl",
     "color.wgsl",
     "common.wgsl",
+    "cone.wgsl",
+    "cone_hit.wgsl",
     "cylinder.wgsl",
+    "distance.wgsl",
     "field.wgsl",
     "fullscreen.wgsl",
     "geometry.wgsl",
@@ -29,11 +32,26 @@ pub const FILES: &[(&str, &str)] = embed![
     "shade_pass.wgsl",
     "sky.wgsl",
     "sphere.wgsl",
+    "torus.wgsl",
+    "torus_hit.wgsl",
+    "trapezoid.wgsl",
+    "triangle.wgsl",
+    "triangle_hit.wgsl",
+    "tubes.wgsl",
     "unpack.wgsl",
 ];
 
 /// The files that hold entry points, each of them a module.
-pub const MODULES: &[&str] = &["sphere.wgsl", "cylinder.wgsl", "ground_map.wgsl", "shade_pass.wgsl", "resolve.wgsl"];
+pub const MODULES: &[&str] = &[
+    "sphere.wgsl",
+    "cylinder.wgsl",
+    "cone.wgsl",
+    "torus.wgsl",
+    "triangle.wgsl",
+    "ground_map.wgsl",
+    "shade_pass.wgsl",
+    "resolve.wgsl",
+];
 
 /// The text of an embedded file with its imports pasted in.
 ///

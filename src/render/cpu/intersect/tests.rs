@@ -4,6 +4,7 @@
 //! agree on the contrary. A depth has to lie among those of the solids that differ by what f32 resolves at that distance.
 
 use super::*;
+use crate::render::solids::{Cylinder, Sphere};
 use crate::render::test_shapes::{FLAT, OPEN, Part, ROUND, Random, Shape, cylinder, ray_to};
 use glam::DVec3;
 use proptest::prelude::*;

@@ -1,89 +1,20 @@
-//! Exact intersections of a view ray with the primitives. `shaders/intersect.wgsl` holds the twin of each function,
-//! under the same name.
-//!
-//! In each, the ray's origin is first moved to its point nearest the primitive's centre (`t = t0 + t_local`): solving
-//! from the eye loses the digits that decide hit or miss at a few hundred ångström. The `*_t` functions are written
-//! without branches, so that loops over pixels become vector code with the same bits as one call alone.
+//! The cylinder's intersection: a side and two ends, each open, flat or round.
 
-use crate::render::solids::{Cylinder, Sphere};
+use super::{body_interval, local_ray, max, min, select, slab_interval, visible_t};
+use crate::render::solids::Cylinder;
 use crate::scene::Ray;
 use glam::Vec3;
-
-/// `a` where the condition holds, else `b`; becomes a blend in vector code.
-#[inline(always)]
-fn select(condition: bool, a: f32, b: f32) -> f32 {
-    if condition { a } else { b }
-}
-
-#[inline(always)]
-fn min(a: f32, b: f32) -> f32 {
-    select(a < b, a, b)
-}
-
-#[inline(always)]
-fn max(a: f32, b: f32) -> f32 {
-    select(a > b, a, b)
-}
-
-/// Where a solid's entry and exit give a hit at or beyond `near`: the entry, or `near` inside the solid, else infinity.
-#[inline(always)]
-fn visible_t(entry: f32, exit: f32, near: f32) -> f32 {
-    let hit = entry <= exit && exit >= near;
-    select(hit, max(entry, near), f32::INFINITY)
-}
-
-/// `t` of the first hit with a sphere at `t ≥ near`; `near` itself inside the sphere; infinity for a miss.
-#[inline(always)]
-#[must_use]
-pub fn sphere_t(ray: &Ray, sphere: &Sphere, near: f32) -> f32 {
-    let d = ray.direction;
-    let dd = d.x * d.x + d.y * d.y + d.z * d.z;
-    let c = sphere.center - ray.origin;
-    let t0 = (c.x * d.x + c.y * d.y + c.z * d.z) / dd;
-    let p = d * t0 - c;
-    let pd = p.x * d.x + p.y * d.y + p.z * d.z;
-    let outside = p.x * p.x + p.y * p.y + p.z * p.z - sphere.radius * sphere.radius;
-    let discriminant = pd * pd - dd * outside;
-    let root = max(discriminant, 0.0).sqrt();
-    let entry = t0 + (-pd - root) / dd;
-    let exit = t0 + (-pd + root) / dd;
-    select(discriminant >= 0.0, visible_t(entry, exit, near), f32::INFINITY)
-}
-
-/// Unit normal of a sphere at the hit that [`sphere_t`] gave; towards the camera where the near plane cuts the solid.
-#[must_use]
-pub fn sphere_normal(ray: &Ray, sphere: &Sphere, near: f32, t: f32) -> Vec3 {
-    if t <= near {
-        return -ray.direction.normalize();
-    }
-    // The way through the local origin again: `origin + t·direction − center` from the eye would lose digits.
-    let d = ray.direction;
-    let c = sphere.center - ray.origin;
-    let dd = d.dot(d);
-    let t0 = c.dot(d) / dd;
-    let p = d * t0 - c;
-    let pd = p.dot(d);
-    let discriminant = pd * pd - dd * (p.dot(p) - sphere.radius * sphere.radius);
-    let local = (-pd - discriminant.max(0.0).sqrt()) / dd;
-    ((p + d * local) / sphere.radius).normalize_or(-d)
-}
 
 /// The ray in the cylinder's space, its origin moved to the point nearest the cylinder's centre.
 #[inline(always)]
 fn cylinder_ray(ray: &Ray, cylinder: &Cylinder) -> (Vec3, Vec3, f32) {
-    let d = ray.direction;
-    let dd = d.x * d.x + d.y * d.y + d.z * d.z;
-    let c = cylinder.center - ray.origin;
-    let t0 = (c.x * d.x + c.y * d.y + c.z * d.z) / dd;
-    let p = d * t0 - c;
-    let m = &cylinder.cylinder_from_space;
-    (*m * p, *m * d, t0)
+    local_ray(ray, cylinder.center, &cylinder.cylinder_from_space)
 }
 
 /// Entry and exit of the infinite cylinder `x² + z² = r²`; an empty interval for a miss. A ray within 1e-6 rad of the
 /// axis is inside for ever or never (over a stick's length it drifts less than f32 resolves).
 #[inline(always)]
-fn side_interval(q: Vec3, e: Vec3, radius: f32) -> (f32, f32) {
+pub(super) fn side_interval(q: Vec3, e: Vec3, radius: f32) -> (f32, f32) {
     let a = e.x * e.x + e.z * e.z;
     let parallel = a <= 1e-12 * (a + e.y * e.y);
     let across = q.x * e.z - q.z * e.x;
@@ -97,19 +28,6 @@ fn side_interval(q: Vec3, e: Vec3, radius: f32) -> (f32, f32) {
     let exit = select(parallel, select(inside, f32::INFINITY, f32::NEG_INFINITY), (-qe + root) * over_a);
     let miss = !parallel && discriminant < 0.0;
     (select(miss, f32::INFINITY, entry), select(miss, f32::NEG_INFINITY, exit))
-}
-
-/// Entry and exit of the slab `−h ≤ y ≤ h`.
-#[inline(always)]
-fn slab_interval(q: Vec3, e: Vec3, half_length: f32) -> (f32, f32) {
-    let along = e.y.abs() <= 1e-20;
-    let over = 1.0 / select(along, 1.0, e.y);
-    let (y0, y1) = ((-half_length - q.y) * over, (half_length - q.y) * over);
-    let inside = q.y.abs() <= half_length;
-    (
-        select(along, select(inside, f32::NEG_INFINITY, f32::INFINITY), min(y0, y1)),
-        select(along, select(inside, f32::INFINITY, f32::NEG_INFINITY), max(y0, y1)),
-    )
 }
 
 /// Entry and exit of the ball at the end `y` of a cylinder; an empty interval for a miss.
@@ -130,14 +48,6 @@ fn end_interval(q: Vec3, e: Vec3, y: f32, radius: f32) -> (f32, f32) {
 #[inline(always)]
 fn has_cap(caps: u32, end: u32, kind: u32) -> bool {
     (caps >> (2 * end)) & 3 == kind
-}
-
-/// Entry and exit of the solid between the side and two flat caps; an empty interval for a miss.
-#[inline(always)]
-fn body_interval(side: (f32, f32), slab: (f32, f32)) -> (f32, f32) {
-    let (entry, exit) = (max(side.0, slab.0), min(side.1, slab.1));
-    let hit = entry <= exit;
-    (select(hit, entry, f32::INFINITY), select(hit, exit, f32::NEG_INFINITY))
 }
 
 /// `t` of the first hit with a cylinder at `t ≥ near`; `near` itself inside the solid; infinity for a miss.
@@ -243,7 +153,3 @@ pub fn cylinder_half(ray: &Ray, cylinder: &Cylinder, t: f32) -> bool {
     let (q, e, t0) = cylinder_ray(ray, cylinder);
     q.y + (t - t0) * e.y > 0.0
 }
-
-#[cfg(test)]
-#[path = "intersect_tests.rs"]
-mod tests;
