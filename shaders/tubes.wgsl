@@ -70,7 +70,7 @@ fn is_behind_cylinder(p: vec3<f32>, a: vec3<f32>, h: f32, radius: f32, d: vec3<f
     return inside > 0.0 && entry < exit && exit > 0.0;
 }
 
-// Of a cone, torus or triangle: x how far it reaches along the direction from its centre (twin of Bound::top).
+// How far a rare primitive reaches along the direction from its centre. Twin of Bound::top.
 fn rare_top(rare: Rare, d: vec3<f32>) -> f32 {
     if rare.kind == 3u {
         return max(max(dot3(rare.a.xyz, d), dot3(rare.b.xyz, d)), dot3(rare.c.xyz, d));
@@ -79,7 +79,7 @@ fn rare_top(rare: Rare, d: vec3<f32>) -> f32 {
     if rare.kind == 2u {
         return rare.a.w * sqrt(max(1.0 - cosine * cosine, 0.0)) + rare.b.x;
     }
-    return rare.a.w * abs(cosine) + max(rare.b.x, rare.b.y);
+    return rare.a.w * abs(cosine) + select(rare.b.x, max(rare.b.x, rare.b.y), rare.kind == 1u);
 }
 
 // Twin of behind_other; the point is the ray's origin, from the primitive's centre.
@@ -95,6 +95,10 @@ fn is_behind_rare(rare: Rare, p: vec3<f32>, d: vec3<f32>) -> bool {
     let rows = rotation_to_y(rare.a.xyz);
     if rare.kind == 2u {
         return torus_t(ray, Torus(center, rows[0], rows[1], rows[2], rare.a.w, rare.b.x), 0.0) < NO_HIT;
+    }
+    if rare.kind == OPEN_STICK {
+        let stick = Cylinder(center, rows[0], rows[1], rows[2], rare.a.w, rare.b.x, u32(rare.b.y));
+        return cylinder_t(ray, stick, 0.0) < NO_HIT;
     }
     let slope = (rare.b.y - rare.b.x) / (2.0 * rare.a.w);
     let cone = Cone(center, rows[0], rows[1], rows[2], rare.a.w, (rare.b.x + rare.b.y) * 0.5, slope);

@@ -213,6 +213,12 @@ fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Points, free:
                 if cylinder.center.dot(d) + cylinder.half_length * cosine.abs() + cylinder.radius <= low {
                     break;
                 }
+                if cylinder.is_open() {
+                    if behind_other(solids, i, d, points, free) == 0 {
+                        break;
+                    }
+                    continue;
+                }
                 let mut left = behind_cylinder(cylinder, cosine, index, d, points, free);
                 for (end, round) in cylinder.ends().into_iter().zip(cylinder.round()) {
                     if round {
@@ -253,8 +259,8 @@ fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Points, fre
     left
 }
 
-/// Clears the lanes that a cone, torus or triangle hides the light from; bits of those that are left. Tori and curved
-/// meshes hide themselves.
+/// Clears the lanes that a cone, torus, triangle or open stick hides the light from; bits of those that are left. A torus, a
+/// mesh and the inside of a stick may hide themselves.
 fn behind_other(solids: &Solids, index: usize, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
     let mut left = 0;
     for lane in 0..LANES {

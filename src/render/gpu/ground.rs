@@ -181,7 +181,8 @@ impl FieldHome {
         let hierarchy = field.hierarchy();
         let rows = |texels: usize| texels.div_ceil(FIELD_ROW as usize);
         let solids = field.solids();
-        let rare = solids.cones.len() + solids.tori.len() + solids.triangles.len();
+        let open = solids.cylinders.iter().filter(|stick| stick.is_open()).count();
+        let rare = open + solids.cones.len() + solids.tori.len() + solids.triangles.len();
         let most = 2 * hierarchy.boxes.len().max(hierarchy.order.len() + 2 * rare);
         let limit = gpu.limits.max_texture_dimension_2d as usize;
         // Node numbers below 2^31, texel numbers that f32 holds, and levels as the shader's table holds them.
@@ -233,6 +234,11 @@ fn packed(solids: &Solids, order: &[u32]) -> Vec<[[f32; 4]; 2]> {
             Primitive::Sphere(i) => {
                 let sphere = &solids.spheres[i];
                 pair(sphere.center, -sphere.radius, Vec3::ZERO, 0.0)
+            }
+            Primitive::Cylinder(i) if solids.cylinders[i].is_open() => {
+                let stick = &solids.cylinders[i];
+                let axis = stick.axis().extend(stick.half_length).to_array();
+                more(4, stick.center, [axis, [stick.radius, (stick.caps & 15) as f32, 0.0, 0.0], [0.0; 4]])
             }
             Primitive::Cylinder(i) => {
                 let stick = &solids.cylinders[i];
