@@ -1,45 +1,7 @@
-// Cones of one sample: a trapezium an instance, an exact ray intersection a fragment. The functions are the twins of
-// src/render/cpu/intersect/cone.rs. Comments stand there.
-#import "intersect.wgsl"
+// Cones of one sample: a trapezium an instance, an exact ray intersection a fragment. cone_normal is the
+// twin of that in src/render/cpu/intersect/cone.rs.
+#import "cone_hit.wgsl"
 #import "trapezoid.wgsl"
-
-fn nappe_interval(q: vec3<f32>, e: vec3<f32>, middle: f32, slope: f32) -> vec2<f32> {
-    let rho = middle + slope * q.y;
-    let sigma = slope * e.y;
-    let ee = e.x * e.x + e.z * e.z;
-    let a = ee - sigma * sigma;
-    let half_b = q.x * e.x + q.z * e.z - sigma * rho;
-    let qq = q.x * q.x + q.z * q.z;
-    let c = qq - rho * rho;
-    let wx = rho * e.x - sigma * q.x;
-    let wz = rho * e.z - sigma * q.z;
-    let across = q.x * e.z - q.z * e.x;
-    let discriminant = wx * wx + wz * wz - across * across;
-    if ee + sigma * sigma <= 1e-12 * (ee + e.y * e.y) {
-        return select(vec2<f32>(NO_HIT, -NO_HIT), vec2<f32>(-NO_HIT, NO_HIT), c <= 0.0);
-    }
-    if a > 0.0 && discriminant < 0.0 {
-        return vec2<f32>(NO_HIT, -NO_HIT);
-    }
-    let root = sqrt(max(discriminant, 0.0));
-    let sum = select(root - half_b, -half_b - root, half_b > 0.0);
-    // No infinity: a root farther away than the slab ever is.
-    let far = clamp(sum / select(a, -1e-30, abs(a) < 1e-30), -1e30, 1e30);
-    let near = select(c / select(sum, 1.0, sum == 0.0), far, sum == 0.0);
-    let first = min(far, near);
-    let second = max(far, near);
-    if a > 0.0 {
-        return vec2<f32>(first, second);
-    }
-    return select(vec2<f32>(-NO_HIT, first), vec2<f32>(second, NO_HIT), sigma > 0.0);
-}
-
-fn cone_t(ray: Ray, cone: Cone, near: f32) -> f32 {
-    let local = local_ray(ray, cone.center, cone.row_x, cone.row_y, cone.row_z);
-    let nappe = nappe_interval(local.q, local.e, cone.middle_radius, cone.slope);
-    let body = body_interval(nappe, slab_interval(local.q, local.e, cone.half_length));
-    return visible_t(local.t0 + body.x, local.t0 + body.y, near);
-}
 
 fn cone_normal(ray: Ray, cone: Cone, near: f32, t: f32) -> vec3<f32> {
     let to_camera = -normalize(ray.direction);
@@ -125,14 +87,4 @@ fn fs_cone(vertex: ConeVertex) -> Surface {
         discard;
     }
     return surface(vertex.look.y, t, cone_normal(ray, cone, near, t), vertex.look.x);
-}
-
-// The same for a light's map.
-@fragment
-fn fs_cone_height(vertex: ConeVertex) -> Height {
-    let t = cone_t(pixel_ray(vertex.position, one_sample.offset), cone_of(vertex), frame.depth.z);
-    if !(t < NO_HIT) {
-        discard;
-    }
-    return height(t);
 }

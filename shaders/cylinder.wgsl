@@ -67,13 +67,3 @@ fn fs_cylinder(vertex: CylinderVertex) -> Surface {
     let rgb = select(vertex.look.x, vertex.look.y, cylinder_half(ray, cylinder, t));
     return surface(vertex.look.w, t, cylinder_normal(ray, cylinder, near, t), rgb);
 }
-
-// The same for a light's map.
-@fragment
-fn fs_cylinder_height(vertex: CylinderVertex) -> Height {
-    let t = cylinder_t(pixel_ray(vertex.position, one_sample.offset), cylinder_of(vertex), frame.depth.z);
-    if !(t < NO_HIT) {
-        discard;
-    }
-    return height(t);
-}

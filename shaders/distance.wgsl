@@ -1,17 +1,30 @@
-// Distances of cones, tori and triangles, and where a way passes them closest: the twins of src/render/distance.rs. Comments
+// Distances of sticks, cones, tori and triangles, and where a way passes them closest: the twins of src/render/distance.rs. Comments
 // stand there.
 #import "common.wgsl"
 
 const RARE: f32 = 1e30;
 
-// Kind: 1 cone, 2 torus, 3 triangle. Cone: unit axis, half length; both radii. Torus: unit axis, ring's radius; tube's radius.
-// Triangle: the corners from the centre.
+// Kind: 1 cone, 2 torus, 3 triangle, 4 open stick. Cone: unit axis, half length; both radii. Torus: unit axis, ring's radius; tube's radius.
+// Triangle: the corners from the centre. Stick with an open end: unit axis, half length; radius, Cylinder::caps.
 struct Rare {
     kind: u32,
     center: vec3<f32>,
     a: vec4<f32>,
     b: vec4<f32>,
     c: vec4<f32>,
+}
+
+const OPEN_STICK: u32 = 4u;
+
+// Of a point in the half section of a stick.
+fn stick_distance(across: f32, y: f32, h: f32, radius: f32, is_round: bool) -> f32 {
+    let beyond = abs(y) - h;
+    if is_round {
+        let up = max(beyond, 0.0);
+        return sqrt(across * across + up * up) - radius;
+    }
+    let out = across - radius;
+    return min(max(out, beyond), 0.0) + length(max(vec2<f32>(out, beyond), vec2<f32>(0.0)));
 }
 
 fn cone_distance(q: vec2<f32>, h: f32, radii: vec2<f32>) -> f32 {
@@ -53,6 +66,10 @@ fn rare_distance(rare: Rare, p: vec3<f32>) -> f32 {
     if rare.kind == 2u {
         return length(vec2<f32>(across - rare.a.w, y)) - rare.b.x;
     }
+    if rare.kind == OPEN_STICK {
+        let cap = u32(rare.b.y) >> select(0u, 2u, y > 0.0);
+        return stick_distance(across, y, rare.a.w, rare.b.x, (cap & 3u) == 2u);
+    }
     return cone_distance(vec2<f32>(across, y), rare.a.w, rare.b.xy);
 }
 
@@ -60,7 +77,7 @@ fn rare_radius(rare: Rare) -> f32 {
     if rare.kind == 3u {
         return max(max(length(rare.a.xyz), length(rare.b.xyz)), length(rare.c.xyz));
     }
-    return rare.a.w + select(max(rare.b.x, rare.b.y), rare.b.x, rare.kind == 2u);
+    return rare.a.w + select(rare.b.x, max(rare.b.x, rare.b.y), rare.kind == 1u);
 }
 
 const TORUS_STARTS: u32 = 8u;

@@ -1,7 +1,7 @@
 // The scene's signed distance field over its hierarchy: the twins of src/render/field.rs and Hierarchy::visit. Boxes and
 // primitives are texels in rows of 2048: two a box (lower corner; upper corner), and two a primitive in the hierarchy's
 // order (centre, radius; unit axis, half length). A sphere is a cylinder of no length and no axis. A radius below 0 marks a
-// round end a, a half length below 0 a round end b. Other primitives have a radius of RARE times their kind, and in
+// round end a, a half length below 0 a round end b. Others, open sticks too, have a radius of RARE times their kind, and in
 // place of the axis the number of the first of three texels that hold the rest.
 #import "common.wgsl"
 #import "distance.wgsl"
@@ -49,29 +49,19 @@ fn primitive_distance(index: u32, p: vec3<f32>) -> f32 {
     let from_center = p - first.xyz;
     let y = dot(from_center, second.xyz);
     let across = length(from_center - second.xyz * y);
-    let beyond = abs(y) - abs(second.w);
-    let round_a = first.w < 0.0;
-    let round_b = second.w < 0.0;
-    let is_round = select(round_a, round_b, y > 0.0);
-    if is_round {
-        let up = max(beyond, 0.0);
-        return sqrt(across * across + up * up) - radius;
-    }
-    let out = across - radius;
-    return min(max(out, beyond), 0.0) + length(max(vec2<f32>(out, beyond), vec2<f32>(0.0)));
+    let is_round = select(first.w < 0.0, second.w < 0.0, y > 0.0);
+    return stick_distance(across, y, abs(second.w), radius, is_round);
 }
 
 // Twin of nearest_on_way; a sphere has no axis, so that its centre counts.
-fn nearest_on_way(index: u32, p: vec3<f32>, direction: vec3<f32>) -> f32 {
-    let center = textureLoad(primitives, texel_at(2u * index), 0).xyz;
-    let second = textureLoad(primitives, texel_at(2u * index + 1u), 0);
+fn nearest_on_way(center: vec3<f32>, axis: vec4<f32>, p: vec3<f32>, direction: vec3<f32>) -> f32 {
     let to_center = center - p;
     let along = dot(direction, to_center);
-    let across = dot(second.xyz, to_center);
-    let cosine = dot(direction, second.xyz);
+    let across = dot(axis.xyz, to_center);
+    let cosine = dot(direction, axis.xyz);
     let sine_squared = 1.0 - cosine * cosine;
     let s = select(0.0, (cosine * along - across) / max(sine_squared, 1e-6), sine_squared > 1e-6);
-    return along + cosine * clamp(s, -abs(second.w), abs(second.w));
+    return along + cosine * clamp(s, -abs(axis.w), abs(axis.w));
 }
 
 // What is asked of the field: the distance at a point, or the least light on the way from it.
@@ -108,12 +98,16 @@ fn box_bound(index: u32, query: Query) -> f32 {
 fn answer(index: u32, query: Query) -> f32 {
     if is_way(query) {
         let first = textureLoad(primitives, texel_at(2u * index), 0);
+        var axis = textureLoad(primitives, texel_at(2u * index + 1u), 0);
         if first.w >= RARE {
-            let second = textureLoad(primitives, texel_at(2u * index + 1u), 0);
-            let least = least_on_way(rare_of(first, second), query.p, query.direction, query.start);
-            return max(query.sharpness * least.y / least.x, 0.0);
+            let rare = rare_of(first, axis);
+            if rare.kind != OPEN_STICK {
+                let least = least_on_way(rare, query.p, query.direction, query.start);
+                return max(query.sharpness * least.y / least.x, 0.0);
+            }
+            axis = rare.a;
         }
-        let t = max(nearest_on_way(index, query.p, query.direction), query.start);
+        let t = max(nearest_on_way(first.xyz, axis, query.p, query.direction), query.start);
         return max(query.sharpness * primitive_distance(index, query.p + query.direction * t) / t, 0.0);
     }
     return primitive_distance(index, query.p);

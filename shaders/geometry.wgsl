@@ -102,17 +102,6 @@ struct Surface {
     @builtin(frag_depth) depth: f32,
 }
 
-// How far a surface reaches towards a light at infinity, in steps over the scene's depth; 0 is kept for nothing.
-struct Height {
-    @location(0) steps: u32,
-    @builtin(frag_depth) depth: f32,
-}
-
-fn height(t: f32) -> Height {
-    let part = clamp((frame.depth.w - t) / (frame.depth.w - frame.depth.z), 0.0, 1.0);
-    return Height(1u + u32(part * 65534.0 + 0.5), depth_value(t));
-}
-
 // Marks a texel that a primitive covers; the cleared target has 0.
 const COVERED: u32 = 0xff000000u;
 

@@ -1,80 +1,41 @@
-// What reaches a surface point from afar: the twin of src/render/sky.rs, asked of depth maps as src/render/cpu/maps.rs does.
+// What reaches a surface point from afar: the twin of src/render/sky.rs and of src/render/cpu/reach.rs.
 #import "shade.wgsl"
+#import "tubes.wgsl"
 
-// A layer a direction: how far the scene reaches towards the light, in steps; 0 where there is nothing.
-@group(2) @binding(0) var sky_maps: texture_2d_array<u32>;
-// A row a direction: its maps' right, up, and the direction itself. Row 0: number of directions, texels on a side,
-// texels per angstrom; steps per angstrom, height of the scene's centre in steps.
-@group(2) @binding(1) var sky_directions: texture_2d<f32>;
-@group(2) @binding(2) var key_maps: texture_2d_array<u32>;
-@group(2) @binding(3) var key_directions: texture_2d<f32>;
+// As in src/render/sky.rs; from 1000 angstrom on more, because the point is rounded to a part of its depth, and unlike on the
+// CPU a surface is asked whether it hides itself.
+const START_OFFSET: f32 = 1e-3;
+const START_ROUNDING: f32 = 1e-6;
 
-const LIFT: f32 = 2.0;
-const STEEPEST: f32 = 64.0;
-
-// Where a point falls in a map: texel, and the steps that its tangent plane has at the texel's centre.
-struct Place {
-    texel: vec2<i32>,
-    level: f32,
-}
-
-fn place_in_map(p: vec3<f32>, n: vec3<f32>, axes: mat3x3<f32>, size: vec4<f32>, steps: vec4<f32>) -> Place {
-    let side = size.y;
-    let at = vec2<f32>(dot(p, axes[0]), -dot(p, axes[1])) * size.z + side * 0.5;
-    let texel = clamp(floor(at), vec2<f32>(0.0), vec2<f32>(side - 1.0));
-    let way = texel + 0.5 - at;
-    let rise = dot(n, axes[0]) * way.x - dot(n, axes[1]) * way.y;
-    let shift = clamp(-rise / max(dot(n, axes[2]), 0.02), -STEEPEST, STEEPEST);
-    let height = dot(p, axes[2]) * steps.x + steps.y;
-    return Place(vec2<i32>(texel), height + LIFT + shift * steps.x / size.z);
-}
-
-fn sky_open(p: vec3<f32>, n: vec3<f32>) -> f32 {
-    let size = textureLoad(sky_directions, vec2<i32>(0, 0), 0);
-    let steps = textureLoad(sky_directions, vec2<i32>(1, 0), 0);
-    let count = i32(size.x);
+// The part of a light's directions that a point (from the scene's centre) with this normal sees of those that are this
+// sample's turn; the sky's are weighted by their cosine.
+fn part_seen(is_key: bool, p: vec3<f32>, n: vec3<f32>, unasked: f32) -> f32 {
+    let head = direction_texel(is_key, 0, 0);
+    let each = i32(head.x);
+    if each == 0 {
+        return unasked;
+    }
+    let first = i32(one_sample.done % u32(head.y)) * each + 1;
     var seen = 0.0;
     var all = 0.0;
-    for (var i = 0; i < count; i++) {
-        let toward = textureLoad(sky_directions, vec2<i32>(2, i + 1), 0).xyz;
-        let weight = max(dot(n, toward), 0.0);
+    for (var row = first; row < first + each; row++) {
+        let cosine = max(dot3(n, direction_texel(is_key, 2, row).xyz), 0.0);
+        let weight = select(cosine, 1.0, is_key);
         all += weight;
-        if weight > 0.0 {
-            let right = textureLoad(sky_directions, vec2<i32>(0, i + 1), 0).xyz;
-            let up = textureLoad(sky_directions, vec2<i32>(1, i + 1), 0).xyz;
-            let place = place_in_map(p, n, mat3x3<f32>(right, up, toward), size, steps);
-            let stored = f32(textureLoad(sky_maps, place.texel, i, 0).x);
-            seen += select(0.0, weight, stored <= place.level);
+        if cosine > 0.0 {
+            seen += select(0.0, weight, is_free(is_key, u32(head.z), row, p));
         }
     }
-    return select(frame.sky.z, seen / max(all, 1e-6), count > 0 && all > 0.0);
+    return select(unasked, seen / max(all, 1e-30), all > 0.0);
 }
 
-fn key_seen(p: vec3<f32>, n: vec3<f32>) -> f32 {
-    let size = textureLoad(key_directions, vec2<i32>(0, 0), 0);
-    let steps = textureLoad(key_directions, vec2<i32>(1, 0), 0);
-    let count = i32(size.x);
-    var seen = 0.0;
-    for (var i = 0; i < count; i++) {
-        let toward = textureLoad(key_directions, vec2<i32>(2, i + 1), 0).xyz;
-        if dot(n, toward) > 0.0 {
-            let right = textureLoad(key_directions, vec2<i32>(0, i + 1), 0).xyz;
-            let up = textureLoad(key_directions, vec2<i32>(1, i + 1), 0).xyz;
-            let place = place_in_map(p, n, mat3x3<f32>(right, up, toward), size, steps);
-            let stored = f32(textureLoad(key_maps, place.texel, i, 0).x);
-            seen += select(0.0, 1.0, stored <= place.level);
-        }
-    }
-    return select(1.0, seen / f32(max(count, 1)), count > 0);
-}
-
-// Twin of Lights and Reaches of the CPU renderer. Where the near plane cuts a solid there is no surface to reach.
+// Where the near plane cuts a solid there is no surface to reach.
 fn reach_of(ray: Ray, t: f32, normal: vec3<f32>) -> Reach {
     if t <= frame.depth.z {
         return Reach(frame.sky.z, 1.0);
     }
-    let center = 0.5 * (frame.bounds_min.xyz + frame.bounds_max.xyz);
-    let p = world_point(ray.origin + ray.direction * t) - center;
     let n = world_vector(normal);
-    return Reach(sky_open(p, n), key_seen(p, n));
+    let eye = frame.world_from_view[3].xyz - scene_center();
+    let p = world_vector(ray.origin + ray.direction * t) + eye + n * max(START_OFFSET, START_ROUNDING * t);
+    return Reach(part_seen(false, p, n, frame.sky.z), part_seen(true, p, n, 1.0));
 }

@@ -39,13 +39,3 @@ fn fs_sphere(vertex: SphereVertex) -> Surface {
     }
     return surface(vertex.look.y, t, sphere_normal(ray, sphere, near, t), vertex.look.x);
 }
-
-// The same for a light's map.
-@fragment
-fn fs_sphere_height(vertex: SphereVertex) -> Height {
-    let t = sphere_t(pixel_ray(vertex.position, one_sample.offset), Sphere(vertex.ball.xyz, vertex.ball.w), frame.depth.z);
-    if !(t < NO_HIT) {
-        discard;
-    }
-    return height(t);
-}

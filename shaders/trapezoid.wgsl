@@ -1,17 +1,6 @@
 // Bounds of cones and triangles: the twins of src/render/bounds.rs. Comments stand there.
 #import "geometry.wgsl"
 
-struct Cone {
-    center: vec3<f32>,
-    // Rows of the rotation that turns the axis onto +Y.
-    row_x: vec3<f32>,
-    row_y: vec3<f32>,
-    row_z: vec3<f32>,
-    half_length: f32,
-    middle_radius: f32,
-    slope: f32,
-}
-
 // Corners are (x.x, lower.x), (x.y, lower.y), (x.x, upper.x), (x.y, upper.y) along `along` and across it.
 struct PlaneTrapezoid {
     along: vec2<f32>,

@@ -1,53 +1,8 @@
 // Triangles of one sample: drawn as they are, an exact ray intersection a fragment. The functions are the twins of
 // src/render/cpu/intersect/triangle.rs. Comments stand there.
-#import "intersect.wgsl"
+#import "triangle_hit.wgsl"
 #import "trapezoid.wgsl"
 #import "color.wgsl"
-
-struct Triangle {
-    center: vec3<f32>,
-    // From the centre.
-    a: vec3<f32>,
-    b: vec3<f32>,
-    c: vec3<f32>,
-    slack: vec3<f32>,
-}
-
-struct TriangleRay {
-    q: vec3<f32>,
-    t0: f32,
-}
-
-fn triangle_ray(ray: Ray, triangle: Triangle) -> TriangleRay {
-    let d = ray.direction;
-    let c = triangle.center - ray.origin;
-    let t0 = dot3(c, d) / dot3(d, d);
-    return TriangleRay(d * t0 - c, t0);
-}
-
-fn edge_volumes(q: vec3<f32>, d: vec3<f32>, triangle: Triangle) -> vec3<f32> {
-    let a = triangle.a - q;
-    let b = triangle.b - q;
-    let c = triangle.c - q;
-    return vec3<f32>(dot3(d, cross(b, c)), dot3(d, cross(c, a)), dot3(d, cross(a, b)));
-}
-
-fn face_of(triangle: Triangle) -> vec3<f32> {
-    return cross(triangle.b - triangle.a, triangle.c - triangle.a);
-}
-
-fn triangle_t(ray: Ray, triangle: Triangle, near: f32) -> f32 {
-    let local = triangle_ray(ray, triangle);
-    let d = ray.direction;
-    let n = face_of(triangle);
-    let facing = dot3(n, d);
-    let side = select(1.0, -1.0, facing < 0.0);
-    let volumes = edge_volumes(local.q, d, triangle) * side;
-    let inside = all(volumes >= triangle.slack * (-facing * side));
-    let has_width = facing * facing > 1e-12 * (dot3(n, n) * dot3(d, d));
-    let t = local.t0 + dot3(n, triangle.a - local.q) / select(1.0, facing, has_width);
-    return select(NO_HIT, t, inside && has_width && t >= near);
-}
 
 fn triangle_weights(ray: Ray, triangle: Triangle) -> vec3<f32> {
     let volumes = edge_volumes(triangle_ray(ray, triangle).q, ray.direction, triangle);
@@ -100,13 +55,7 @@ fn vs_triangle(
     triangle.c = view_vector(c_block - middle);
     let double_area = length(face_of(triangle));
     let is_solid = double_area > 0.0 && double_area < NO_HIT;
-    let edges = vec3<f32>(
-        length(triangle.c - triangle.b), length(triangle.a - triangle.c), length(triangle.b - triangle.a),
-    );
-    let extent = max(max(edges.x, edges.y), edges.z);
-    let place = abs(triangle.center);
-    let rounding = 4.0 * 1.1920929e-7 * (max(max(place.x, place.y), place.z) + extent);
-    triangle.slack = min(edges * (rounding / select(1.0, double_area, is_solid)), vec3<f32>(0.01));
+    triangle.slack = slack_of(triangle);
 
     let a = triangle.center + triangle.a;
     let b = triangle.center + triangle.b;
@@ -153,17 +102,4 @@ fn fs_triangle(vertex: TriangleVertex) -> Surface {
         + linear_from_srgb8(vertex.look.z) * weights.z;
     let normals = mat3x3<f32>(vertex.normal_a, vertex.normal_b, vertex.normal_c);
     return surface(vertex.look.w, t, triangle_normal(ray, triangle, weights, normals), srgb8_from_linear(linear));
-}
-
-// The same for a light's map, lowered by what it rises over half a texel, at most four: see DrawMap::lower_by.
-@fragment
-fn fs_triangle_height(vertex: TriangleVertex) -> Height {
-    let triangle = triangle_of(vertex);
-    let t = triangle_t(pixel_ray(vertex.position, one_sample.offset), triangle, frame.depth.z);
-    if !(t < NO_HIT) {
-        discard;
-    }
-    let face = abs(face_of(triangle));
-    let lower = min(0.5 * (face.x + face.y) / max(face.z, 1e-6), 4.0);
-    return height(t + lower * frame.grid.x);
 }

@@ -67,8 +67,8 @@
 //!   along the way, each primitive is asked at its own nearest point of it, found through the hierarchy: it is faster and leaves no bands.
 //! - Ambient occlusion is the part of the sky that a surface point sees, over 64 fixed directions, without a reach; the key light's shadow
 //!   on the molecule is the mean over 16 directions in a cone ([`render::sky`]). The reference casts rays; the product and the
-//!   GPU draw a depth map from each direction and compare points where their tangent plane passes a texel's centre, so that no
-//!   bias is needed. It is asked once for each primitive in each pixel; what is seen and how it is turned is found at every sample.
+//!   GPU ask the primitives in the tube above a point ([`render::tubes`]), which is as exact. The samples of a pixel share the
+//!   directions out.
 //! - A part of a picture ([`render::View::region`]) is byte for byte what it is in the whole: large pictures are made of such parts.
 //! - Ground and background are smooth and found once a pixel; what a primitive covers is found and shaded at every sample.
 //! - Labels, legend and scale bar are placed in parts of the full picture's height and drawn onto the finished picture, by the same code for both
@@ -78,13 +78,13 @@
 //!
 //! - Without hydrogens, which nitrogen of an azole carries one, and keto or enol, is guessed from lengths: about 3 % of such molecules
 //!   come out as the other form.
-//! - Outlines are missing. The edges of ambient occlusion and of shadows on the molecule are as fine as a texel of the
-//!   light's depth maps: 0.02 Å for a small molecule, 0.3 Å for 100,000 atoms.
+//! - Outlines are missing.
+//! - On a GPU whose textures are too small for the primitives, or for the tubes of one sample's directions (about 150,000 atoms
+//!   where 2048 texels a side are all), there is no ambient occlusion and no shadow on the molecule.
 //! - A see-through primitive of opacity 0.5 and more throws a full shadow. See-through ones seen through one another take their
 //!   samples each by its id, so that two may show a little more or less than they would by the rules of glass; with 4 samples
 //!   there are only 4 steps of opacity.
-//! - The light's depth maps take triangles to be up to 4 texels lower where they are steep: a coarse mesh with smooth normals would
-//!   shade itself.
+//! - A coarse mesh with smooth normals shades itself where the light grazes it: its faces are flat.
 //! - In a window drawn by a GPU there are no labels while something moves.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
 //! - Large pictures are drawn in strips, each of which sorts all primitives anew. JPEG and WebP are gathered in memory, 3 or 4 bytes a

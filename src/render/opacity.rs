@@ -5,7 +5,7 @@
 //! dimension of Sobol's sequence, as the first two place the sample in its pixel ([`super::settings::sample_offset`]): with one
 //! of those a see-through edge would move by a quarter of a pixel.
 //!
-//! With one sample (ids, depths, normals, the light's maps, a window in motion) what has an opacity of at least a half is there.
+//! With one sample (ids, depths, normals, a window in motion) what has an opacity of at least a half is there.
 //! So fainter things throw no shadow and hide no sky, the ground's included ([`super::solids::Solids::casting`]).
 //! `shaders/geometry.wgsl` holds the twin.
 

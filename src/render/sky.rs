@@ -3,8 +3,8 @@
 //! A surface point's ambient occlusion is sky visibility: over directions `d` spread evenly over the whole sphere and
 //! fixed in world space, the sum of `max(n·d, 0)` where nothing is in the way over the sum of all `max(n·d, 0)`.
 //! Its key light is the mean visibility over directions in a narrow cone about the light. Neither has a reach:
-//! whatever stands in the way counts, however far away it is. How visibility is found is up to the renderer: the
-//! reference casts rays, the product draws depth maps from each direction ([`super::cpu::maps`]).
+//! whatever stands in the way counts, however far away it is. The reference casts
+//! rays; the product asks what stands in tubes along each direction ([`super::tubes`]), on the CPU as on the GPU.
 //!
 //! The samples of a pixel share the directions out among themselves ([`Turns`]): with 16 samples and 64 directions each
 //! sample asks four, well apart from one another, and the pixel has asked all of them. That costs a sixteenth of asking all

@@ -87,6 +87,12 @@ impl Cylinder {
         [self.caps & 3 == 2, (self.caps >> 2) & 3 == 2]
     }
 
+    /// Whether one sees into it at an end.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.caps & 3 == 0 || (self.caps >> 2) & 3 == 0
+    }
+
     /// The box around it.
     #[must_use]
     pub fn bounds(&self) -> Aabb {

@@ -9,7 +9,7 @@
 //! Both renderers ask the same lists: the CPU for sixteen points at a time, the GPU from textures.
 
 use super::sky::across;
-use super::solids::Solids;
+use super::solids::{Primitive, Solids};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -34,36 +34,137 @@ pub struct Tubes {
     pub list: Vec<u32>,
 }
 
-/// Half the extent of a primitive along a unit direction: a sphere about its centre that is drawn out along its axis.
-fn half_extent(axis: Vec3, half_length: f32, radius: f32, direction: Vec3) -> f32 {
-    half_length * axis.dot(direction).abs() + radius
+/// What bounds a primitive: how far it reaches along any direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bound {
+    middle: Vec3,
+    shape: Shape,
 }
 
-/// Centre, axis, half length and radius of every primitive: what bounds it.
-fn capsules(solids: &Solids) -> Vec<(Vec3, Vec3, f32, f32)> {
-    let spheres = solids.spheres.par_iter().with_min_len(4096).map(|s| (s.center, Vec3::ZERO, 0.0, s.radius));
-    let cylinders =
-        solids.cylinders.par_iter().with_min_len(4096).map(|c| (c.center, c.axis(), c.half_length, c.radius));
-    let mut all: Vec<_> = spheres.chain(cylinders).collect();
-    all.extend(solids.cones.iter().map(|c| (c.center, c.axis(), c.half_length, c.radii[0].max(c.radii[1]))));
-    all.extend(solids.tori.iter().map(|t| (t.center, Vec3::ZERO, 0.0, t.ring_radius + t.tube_radius)));
-    let reach = |corners: [Vec3; 3]| corners.iter().fold(0.0, |most: f32, corner| most.max(corner.length()));
-    all.extend(solids.triangles.iter().map(|t| (t.center, Vec3::ZERO, 0.0, reach(t.corners))));
-    all
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Shape {
+    /// A sphere about the middle, drawn out along its axis.
+    Capsule {
+        axis: Vec3,
+        half_length: f32,
+        radius: f32,
+    },
+    Ring {
+        axis: Vec3,
+        ring_radius: f32,
+        tube_radius: f32,
+    },
+    /// Corners from the middle.
+    Triangle([Vec3; 3]),
 }
 
-/// Tubes along each direction; `center` is that of the solids' space to which points will be relative.
+impl Bound {
+    /// Of primitive `index`.
+    #[must_use]
+    pub fn of(solids: &Solids, index: usize) -> Bound {
+        let capsule = |axis, half_length, radius| Shape::Capsule { axis, half_length, radius };
+        match solids.primitive(index) {
+            Primitive::Sphere(i) => {
+                let sphere = &solids.spheres[i];
+                Bound { middle: sphere.center, shape: capsule(Vec3::ZERO, 0.0, sphere.radius) }
+            }
+            Primitive::Cylinder(i) => {
+                let stick = &solids.cylinders[i];
+                Bound { middle: stick.center, shape: capsule(stick.axis(), stick.half_length, stick.radius) }
+            }
+            Primitive::Cone(i) => {
+                let cone = &solids.cones[i];
+                let radius = cone.radii[0].max(cone.radii[1]);
+                Bound { middle: cone.center, shape: capsule(cone.axis(), cone.half_length, radius) }
+            }
+            Primitive::Torus(i) => {
+                let torus = &solids.tori[i];
+                let (ring_radius, tube_radius) = (torus.ring_radius, torus.tube_radius);
+                Bound { middle: torus.center, shape: Shape::Ring { axis: torus.axis(), ring_radius, tube_radius } }
+            }
+            Primitive::Triangle(i) => {
+                let triangle = &solids.triangles[i];
+                Bound { middle: triangle.center, shape: Shape::Triangle(triangle.corners) }
+            }
+        }
+    }
+
+    /// How far it reaches from its middle: against a unit direction (not above 0), and along it.
+    fn reach(&self, direction: Vec3) -> [f32; 2] {
+        let half = match self.shape {
+            Shape::Capsule { axis, half_length, radius } => half_length * axis.dot(direction).abs() + radius,
+            Shape::Ring { axis, ring_radius, tube_radius } => {
+                let cosine = axis.dot(direction);
+                ring_radius * (1.0 - cosine * cosine).max(0.0).sqrt() + tube_radius
+            }
+            Shape::Triangle(corners) => {
+                let [a, b, c] = corners.map(|corner| corner.dot(direction));
+                return [a.min(b).min(c), a.max(b).max(c)];
+            }
+        };
+        [-half, half]
+    }
+
+    /// Where it ends along a unit direction.
+    #[must_use]
+    pub fn top(&self, direction: Vec3) -> f32 {
+        self.middle.dot(direction) + self.reach(direction)[1]
+    }
+
+    /// About half its length.
+    fn size(&self) -> f32 {
+        match self.shape {
+            Shape::Capsule { half_length, radius, .. } => half_length + radius,
+            Shape::Ring { ring_radius, tube_radius, .. } => ring_radius + tube_radius,
+            Shape::Triangle(corners) => corners.iter().fold(0.0, |most, corner| corner.length().max(most)),
+        }
+    }
+}
+
+/// Bounds of the primitives that hide the light, each with its number in the lists.
+#[derive(Debug, Clone, Default)]
+pub struct Bounds {
+    all: Vec<(u32, Bound)>,
+    /// Width of a tube in ångström.
+    width: f32,
+}
+
+impl Bounds {
+    /// Of a scene's primitives, numbered as there. What is hardly there hides nothing.
+    #[must_use]
+    pub fn new(solids: &Solids) -> Bounds {
+        let numbers = (0..u32::try_from(solids.len()).unwrap_or(u32::MAX)).into_par_iter().with_min_len(4096);
+        let casting = numbers.filter(|&i| solids.is_drawn(i as usize, 0, 1));
+        Bounds::with_width(casting.map(|i| (i, Bound::of(solids, i as usize))).collect())
+    }
+
+    /// Of the primitives in this order, numbered by their place in it.
+    #[must_use]
+    pub fn in_order(solids: &Solids, order: &[u32]) -> Bounds {
+        let order = order.par_iter().with_min_len(4096).enumerate();
+        Bounds::with_width(order.map(|(place, &i)| (place as u32, Bound::of(solids, i as usize))).collect())
+    }
+
+    fn with_width(all: Vec<(u32, Bound)>) -> Bounds {
+        // Tubes about as wide as a primitive is long: wider ones hold more than they need, narrower ones hold each many times.
+        let mean = all.iter().map(|(_, bound)| f64::from(bound.size())).sum::<f64>() / all.len().max(1) as f64;
+        Bounds { all, width: (WIDTH * mean as f32).max(1e-3) }
+    }
+
+    /// Whether nothing hides the light.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.all.is_empty()
+    }
+}
+
+/// Tubes along each direction; `center` is that of the bounds' space to which points will be relative.
 #[must_use]
-pub fn tubes(solids: &Solids, center: Vec3, directions: &[Vec3]) -> Vec<Tubes> {
-    let capsules = capsules(solids);
-    if capsules.is_empty() {
+pub fn tubes(bounds: &Bounds, center: Vec3, directions: &[Vec3]) -> Vec<Tubes> {
+    if bounds.is_empty() {
         return Vec::new();
     }
-    // Tubes about as wide as a primitive is long: wider ones hold more than they need, narrower ones hold each many times.
-    let mean =
-        capsules.iter().map(|(_, _, half, radius)| f64::from(half + radius)).sum::<f64>() / capsules.len() as f64;
-    let width = (WIDTH * mean as f32).max(1e-3);
-    directions.par_iter().with_max_len(1).map(|&toward| Tubes::new(&capsules, center, toward, width)).collect()
+    directions.par_iter().with_max_len(1).map(|&toward| Tubes::new(bounds, center, toward)).collect()
 }
 
 /// Width of a tube in mean half lengths of primitives. Measured: 2.5 is fastest for proteins, 1.5 and 4 are a tenth slower.
@@ -72,16 +173,17 @@ const WIDTH: f32 = 2.5;
 const MOST_TUBES: f32 = 1024.0;
 
 impl Tubes {
-    fn new(capsules: &[(Vec3, Vec3, f32, f32)], center: Vec3, toward: Vec3, width: f32) -> Tubes {
+    fn new(bounds: &Bounds, center: Vec3, toward: Vec3) -> Tubes {
         let [right, up] = across(toward);
         // Where each primitive lies across the direction, and how high it reaches.
-        let boxes: Vec<[f32; 5]> = capsules
+        let boxes: Vec<[f32; 5]> = bounds
+            .all
             .iter()
-            .map(|&(middle, axis, half, radius)| {
-                let p = middle - center;
+            .map(|(_, bound)| {
+                let p = bound.middle - center;
                 let (x, y) = (p.dot(right), p.dot(up));
-                let reach = [right, up, toward].map(|d| half_extent(axis, half, radius, d));
-                [x - reach[0], y - reach[1], x + reach[0], y + reach[1], p.dot(toward) + reach[2]]
+                let [across, along, above] = [right, up, toward].map(|d| bound.reach(d));
+                [x + across[0], y + along[0], x + across[1], y + along[1], p.dot(toward) + above[1]]
             })
             .collect();
         let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
@@ -92,7 +194,7 @@ impl Tubes {
             }
         }
         let extent = (high[0] - low[0]).max(high[1] - low[1]).max(1e-6);
-        let width = width.max(extent / MOST_TUBES);
+        let width = bounds.width.max(extent / MOST_TUBES);
         let per_angstrom = 1.0 / width;
         let size = [0, 1].map(|axis| ((high[axis] - low[axis]) * per_angstrom) as u32 + 1);
         let tube = |x: f32, axis: usize| (((x - low[axis]) * per_angstrom) as u32).min(size[axis] - 1);
@@ -111,7 +213,7 @@ impl Tubes {
         }
         let mut next = first.clone();
         let mut keyed = vec![0u64; first.last().map_or(0, |&n| n as usize)];
-        for (index, b) in (0u32..).zip(&boxes) {
+        for (&(index, _), b) in bounds.all.iter().zip(&boxes) {
             // The highest first: order of the bits of a float, turned about.
             let bits = b[4].to_bits();
             let key = u64::from(if bits >> 31 == 0 { !(bits | 1 << 31) } else { bits }) << 32 | u64::from(index);

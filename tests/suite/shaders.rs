@@ -164,6 +164,8 @@ fn attributes_of_cones_tori_and_triangles_are_their_fields() {
 #[test]
 fn numbers_that_both_sides_hold_are_the_same() {
     let holds = |file: &str, line: String| assert!(shaders::source(file).unwrap().contains(&line), "{file}: {line}");
+    let offset = ballstick::render::sky::START_OFFSET;
+    holds("sky.wgsl", format!("const START_OFFSET: f32 = {offset:e};"));
     holds("torus.wgsl", format!("const TORUS_PIECES: u32 = {}u;", ballstick::render::bounds::TORUS_PIECES));
 }
 

@@ -6,7 +6,7 @@ use crate::render::frame::FrameConstants;
 use crate::render::settings::{Settings, View};
 use crate::render::sky::{Reach, Turns};
 use crate::render::solids::{Cylinder, Primitive, Solids};
-use crate::render::tubes::{Tubes, tubes};
+use crate::render::tubes::{Bound, Bounds, Tubes, tubes};
 use crate::scene::{Ray, Scene};
 use glam::{Affine3A, Vec3};
 use std::borrow::Cow;
@@ -37,17 +37,17 @@ impl Lights {
         if sky == self.sky_of && key == self.key_of {
             return;
         }
-        let solids = Solids::casting(scene, Affine3A::IDENTITY);
+        let bounds = Bounds::new(&Solids::casting(scene, Affine3A::IDENTITY));
         if sky != self.sky_of {
             self.sky = Default::default(); // the old ones go first
             let turns = Turns::of_sky(sky[0], sky[1]);
-            let tubes = tubes(&solids, self.center, &turns.directions);
+            let tubes = tubes(&bounds, self.center, &turns.directions);
             (self.sky, self.sky_of) = ((turns, tubes), sky);
         }
         if key != self.key_of {
             self.key = Default::default();
             let turns = if settings.shadow { Turns::of_key(key.0, key.1) } else { Turns::default() };
-            let tubes = tubes(&solids, self.center, &turns.directions);
+            let tubes = tubes(&bounds, self.center, &turns.directions);
             (self.key, self.key_of) = ((turns, tubes), key);
         }
     }
@@ -290,7 +290,10 @@ fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Starts, free:
                 if cylinder.center.dot(d) + cylinder.half_length * cosine.abs() + cylinder.radius <= low {
                     break;
                 }
-                let mut left = behind_cylinder(cylinder, cosine, index, d, points, free);
+                let mut left = match cylinder.is_open() {
+                    true => behind_other(solids, index, d, points, free),
+                    false => behind_cylinder(cylinder, cosine, index, d, points, free),
+                };
                 for (end, round) in cylinder.ends().into_iter().zip(cylinder.round()) {
                     if round {
                         left = behind_sphere(end, cylinder.radius, index, d, points, free);
@@ -298,7 +301,12 @@ fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Starts, free:
                 }
                 left
             }
-            _ => behind_other(solids, index, d, points, free),
+            _ => {
+                if Bound::of(solids, i).top(d) <= low {
+                    break;
+                }
+                behind_other(solids, index, d, points, free)
+            }
         };
         if left == 0 {
             break;
@@ -325,15 +333,18 @@ fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Starts, fre
     left
 }
 
-/// Clears the lanes that any primitive hides the light from, one by one; bits of those that are left.
+/// Clears the lanes that any primitive hides the light from, one by one; bits of those that are left. A torus and the inside of an
+/// open stick may hide themselves; so would a triangle whose normal is not its plane's, if it were asked.
 #[inline(never)]
 fn behind_other(solids: &Solids, index: u32, d: Vec3, points: &Starts, free: &mut Mask) -> u32 {
+    let is_convex = matches!(solids.primitive(index as usize), Primitive::Cone(_) | Primitive::Triangle(_));
     let mut left = 0;
     for lane in 0..LANES {
-        if free[lane] != 0 && points.own[lane] != index {
+        if free[lane] != 0 && !(is_convex && points.own[lane] == index) {
             let origin = Vec3::from(points.position.map(|axis| axis[lane]));
-            let ray = Ray { origin, direction: d };
-            free[lane] = if primitive_t(&ray, solids, index as usize, 0.0).is_finite() { 0 } else { free[lane] };
+            if primitive_t(&Ray { origin, direction: d }, solids, index as usize, 0.0).is_finite() {
+                free[lane] = 0;
+            }
         }
         left |= free[lane];
     }

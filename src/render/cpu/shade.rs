@@ -322,9 +322,6 @@ fn others(shader: &Shader<'_>, place: &Place<'_>, samples: &Samples, points: &mu
             points.normal[part][lane] = surface.normal[part];
             albedo[part][lane] = surface.albedo[part];
         }
-        if let Primitive::Torus(_) = shader.solids.primitive(samples.index[lane] as usize) {
-            points.own[lane] = NOBODY; // one side of a ring may hide the light from the other
-        }
     }
 }
 

@@ -4,6 +4,7 @@ use super::device::Gpu;
 use super::instances::Instances;
 use super::layout::SampleConstants;
 use super::pipelines::Pipelines;
+use super::sky::Sky;
 use super::targets::Targets;
 use crate::error::Result;
 use crate::render::settings::sample_offset;
@@ -22,8 +23,9 @@ pub(super) struct Draw<'a> {
     /// The [`SampleConstants`] of group 0.
     pub(super) sample_buffer: &'a wgpu::Buffer,
     pub(super) instances: Option<&'a Instances>,
-    /// Group 2 of the shade pass.
-    pub(super) sky_group: &'a wgpu::BindGroup,
+    pub(super) sky: &'a Sky,
+    /// Whether the sky or the key light are asked what reaches a surface.
+    pub(super) asks: bool,
 }
 
 pub(super) fn cleared(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
@@ -93,15 +95,18 @@ impl Draw<'_> {
     /// Adds samples `first..end` of `total` to the sums.
     pub(super) fn samples(&self, targets: &Targets, region: Region, [first, end]: [u32; 2], total: u32) -> Result<()> {
         let mut under_way = VecDeque::new();
+        // Tubes of one sample at a time are large.
+        let in_flight = if self.asks && self.sky.is_split() { 1 } else { IN_FLIGHT };
         for done in first..end {
+            let sky_group = self.sky.group(self.gpu, self.pipelines, self.asks, done);
             self.set_sample(region, [done, total]);
             let from = (done % 2) as usize;
             under_way.push_back(self.gpu.submit("sample", |encoder| {
                 self.geometry(encoder, targets, region);
-                let (groups, target) = ([&targets.shade_groups[from], self.sky_group], &targets.sums[1 - from]);
+                let (groups, target) = ([&targets.shade_groups[from], &sky_group], &targets.sums[1 - from]);
                 self.fullscreen(encoder, &self.pipelines.shade, &groups, target, region);
             }));
-            if under_way.len() > IN_FLIGHT
+            if under_way.len() > in_flight
                 && let Some(oldest) = under_way.pop_front()
             {
                 self.gpu.wait(&oldest)?;

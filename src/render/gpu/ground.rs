@@ -10,8 +10,10 @@ use crate::error::Result;
 use crate::render::field::Field;
 use crate::render::frame::FrameConstants;
 use crate::render::solids::{Primitive, Solids};
+use crate::render::tubes::Bounds;
 use crate::scene::Scene;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Texels of one submission: small enough that a slow device finishes it well before its watchdog (2 s on Windows)
 /// wakes. A texel asks the field seven times.
@@ -20,8 +22,17 @@ const TEXELS_A_SUBMISSION: u32 = 16_384;
 /// The field of the loaded scene, wherever it can be asked.
 #[derive(Debug)]
 enum FieldHome {
-    Device { group: wgpu::BindGroup },
+    Device { group: wgpu::BindGroup, casters: Casters },
     Host(Box<Field>),
+}
+
+/// The field's primitives, which also hide the light from afar.
+#[derive(Debug, Clone)]
+pub(super) struct Casters {
+    /// As shaders/field.wgsl describes.
+    pub(super) texels: wgpu::TextureView,
+    /// Numbered as in the texels.
+    pub(super) bounds: Arc<Bounds>,
 }
 
 /// What the ground needs, kept from picture to picture.
@@ -52,6 +63,22 @@ impl Ground {
         }
     }
 
+    /// The primitives on the device; `None` where they do not fit it.
+    pub(super) fn casters(&mut self, gpu: &Gpu, pipelines: &Pipelines, scene: &Scene) -> Result<Option<&Casters>> {
+        let field = self.take_field(gpu, pipelines, scene)?;
+        Ok(match self.field.insert(field) {
+            FieldHome::Device { casters, .. } => Some(casters),
+            FieldHome::Host(_) => None,
+        })
+    }
+
+    fn take_field(&mut self, gpu: &Gpu, pipelines: &Pipelines, scene: &Scene) -> Result<FieldHome> {
+        match self.field.take() {
+            Some(field) => Ok(field),
+            None => gpu.guard("uploading the distance field", || Ok(FieldHome::new(gpu, pipelines, scene))),
+        }
+    }
+
     /// Makes the map of this frame unless it is there. The frame's uniform is written already.
     pub(super) fn prepare(
         &mut self,
@@ -65,13 +92,10 @@ impl Ground {
             return Ok(());
         }
         self.map = None;
-        let field = match self.field.take() {
-            Some(field) => field,
-            None => gpu.guard("uploading the distance field", || Ok(FieldHome::new(gpu, pipelines, scene)))?,
-        };
+        let field = self.take_field(gpu, pipelines, scene)?;
         let size = frame.ground_grid().size;
         let made = gpu.guard("the ground map", || match &field {
-            FieldHome::Device { group } => draw(gpu, pipelines, frame_group, group, size),
+            FieldHome::Device { group, .. } => draw(gpu, pipelines, frame_group, group, size),
             FieldHome::Host(field) => Ok(upload(gpu, &field.ground_map(frame))),
         });
         self.field = Some(field);
@@ -123,19 +147,19 @@ fn draw(
 fn upload(gpu: &Gpu, map: &crate::render::field::GroundMap) -> wgpu::TextureView {
     let usage = wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING;
     let texture = gpu.texture("ground map", map.size, GROUND_FORMAT, usage);
-    write_rows(gpu, &texture, map.size, bytemuck::cast_slice(&map.texels));
+    write_rows(gpu, &texture, 0, map.size, bytemuck::cast_slice(&map.texels));
     view_of(&texture)
 }
 
-/// Writes all rows of a texture, some megabytes at a time.
-pub(super) fn write_rows(gpu: &Gpu, texture: &wgpu::Texture, [width, height]: [u32; 2], bytes: &[u8]) {
+/// Writes rows of a texture from `first` on, some megabytes at a time.
+pub(super) fn write_rows(gpu: &Gpu, texture: &wgpu::Texture, first: u32, [width, height]: [u32; 2], bytes: &[u8]) {
     let row = bytes.len() / height.max(1) as usize;
     if row == 0 {
         return;
     }
     let rows = ((8 << 20) / row).max(1);
     for (index, part) in bytes.chunks(rows * row).enumerate() {
-        let (y, height) = ((index * rows) as u32, (part.len() / row) as u32);
+        let (y, height) = (first + (index * rows) as u32, (part.len() / row) as u32);
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture,
@@ -157,7 +181,8 @@ impl FieldHome {
         let hierarchy = field.hierarchy();
         let rows = |texels: usize| texels.div_ceil(FIELD_ROW as usize);
         let solids = field.solids();
-        let rare = solids.cones.len() + solids.tori.len() + solids.triangles.len();
+        let open = solids.cylinders.iter().filter(|stick| stick.is_open()).count();
+        let rare = open + solids.cones.len() + solids.tori.len() + solids.triangles.len();
         let most = 2 * hierarchy.boxes.len().max(hierarchy.order.len() + 2 * rare);
         let limit = gpu.limits.max_texture_dimension_2d as usize;
         // Node numbers below 2^31, texel numbers that f32 holds, and levels as the shader's table holds them.
@@ -182,7 +207,8 @@ impl FieldHome {
                 wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(&primitives) },
             ],
         });
-        FieldHome::Device { group }
+        let bounds = Arc::new(Bounds::in_order(solids, &hierarchy.order));
+        FieldHome::Device { group, casters: Casters { texels: primitives, bounds } }
     }
 }
 
@@ -208,6 +234,11 @@ fn packed(solids: &Solids, order: &[u32]) -> Vec<[[f32; 4]; 2]> {
             Primitive::Sphere(i) => {
                 let sphere = &solids.spheres[i];
                 pair(sphere.center, -sphere.radius, Vec3::ZERO, 0.0)
+            }
+            Primitive::Cylinder(i) if solids.cylinders[i].is_open() => {
+                let stick = &solids.cylinders[i];
+                let axis = stick.axis().extend(stick.half_length).to_array();
+                more(4, stick.center, [axis, [stick.radius, (stick.caps & 15) as f32, 0.0, 0.0], [0.0; 4]])
             }
             Primitive::Cylinder(i) => {
                 let stick = &solids.cylinders[i];
@@ -246,6 +277,6 @@ fn texels(gpu: &Gpu, label: &str, pairs: impl ExactSizeIterator<Item = [[f32; 4]
     let usage = wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING;
     let size = [FIELD_ROW, rows as u32];
     let texture = gpu.texture(label, size, FIELD_FORMAT, usage);
-    write_rows(gpu, &texture, size, bytemuck::cast_slice(&data));
+    write_rows(gpu, &texture, 0, size, bytemuck::cast_slice(&data));
     view_of(&texture)
 }

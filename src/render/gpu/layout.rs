@@ -94,8 +94,8 @@ pub const KINDS: usize = 5;
 pub const SURFACE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 /// Depth of the geometry pass.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// Texels of a light's map: steps of height.
-pub const HEIGHT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Uint;
+/// Tubes of a light: numbers of primitives, and where their lists start.
+pub const WORD_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 /// Sums of samples, floats in integer bits.
 pub const SUM_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 /// The finished picture.

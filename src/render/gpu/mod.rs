@@ -141,8 +141,11 @@ impl GpuRenderer {
         let settings = Settings { ground_texels: settings.ground_texels.min(max_texels), ..*settings };
         let frame = FrameConstants::new(&scene, view, &settings);
         let gpu = &self.gpu;
-        if with_light {
-            self.sky.prepare(gpu, &self.pipelines, self.instances.as_ref(), &scene, (&frame, &settings))?;
+        // In motion nothing is asked, and the tubes of the picture at rest are kept.
+        if with_light && asks(&settings) {
+            let casters = self.ground.casters(gpu, &self.pipelines, &scene)?;
+            let place = (scene.bounds().center(), frame.key_in_world());
+            self.sky.prepare(gpu, &self.pipelines, casters, place, &settings)?;
         }
         gpu.guard("writing the frame", || {
             gpu.queue.write_buffer(&self.frame_buffer, 0, bytemuck::bytes_of(&frame));
@@ -167,7 +170,8 @@ impl GpuRenderer {
 
     fn draw(&self, settings: &Settings) -> Draw<'_> {
         Draw {
-            sky_group: self.sky.group(settings),
+            sky: &self.sky,
+            asks: asks(settings),
             gpu: &self.gpu,
             pipelines: &self.pipelines,
             frame_group: &self.frame_group,
@@ -186,6 +190,11 @@ impl GpuRenderer {
         };
         Ok((tiles, targets))
     }
+}
+
+/// Whether any light from afar is asked for.
+fn asks(settings: &Settings) -> bool {
+    settings.ao > 0 || settings.shadow
 }
 
 fn instance(wish: AdapterWish) -> Result<wgpu::Instance> {

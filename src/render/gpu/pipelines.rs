@@ -2,9 +2,9 @@
 
 use super::device::Gpu;
 use super::layout::{
-    CONE_ATTRIBUTES, CYLINDER_ATTRIBUTES, DEPTH_FORMAT, FRAME_BYTES, FieldConstants, GROUND_FORMAT, HEIGHT_FORMAT,
-    IMAGE_FORMAT, KINDS, PlacementConstants, SPHERE_ATTRIBUTES, SUM_FORMAT, SURFACE_FORMAT, SampleConstants,
-    TORUS_ATTRIBUTES, TRIANGLE_ATTRIBUTES,
+    CONE_ATTRIBUTES, CYLINDER_ATTRIBUTES, DEPTH_FORMAT, FRAME_BYTES, FieldConstants, GROUND_FORMAT, IMAGE_FORMAT,
+    KINDS, PlacementConstants, SPHERE_ATTRIBUTES, SUM_FORMAT, SURFACE_FORMAT, SampleConstants, TORUS_ATTRIBUTES,
+    TRIANGLE_ATTRIBUTES,
 };
 use super::shaders;
 use crate::error::Result;
@@ -26,12 +26,10 @@ pub(super) struct Pipelines {
     pub(super) present_layout: wgpu::BindGroupLayout,
     /// Group 1 of the ground pass: the distance field.
     pub(super) field_layout: wgpu::BindGroupLayout,
-    /// Group 2 of the shade pass: the maps of the sky and of the key light, and their directions.
+    /// Group 2 of the shade pass: tubes and directions of the sky and of the key light, and the primitives.
     pub(super) sky_layout: wgpu::BindGroupLayout,
     /// Surfaces of each kind of primitive.
     pub(super) surfaces: [wgpu::RenderPipeline; KINDS],
-    /// Heights of each, for a light's map.
-    pub(super) heights: [wgpu::RenderPipeline; KINDS],
     pub(super) ground_map: wgpu::RenderPipeline,
     pub(super) shade: wgpu::RenderPipeline,
     pub(super) resolve: wgpu::RenderPipeline,
@@ -85,15 +83,10 @@ impl Pipelines {
             &[uniform(0, size_of::<FieldConstants>() as u64, false), texture(1, floats), texture(2, floats)],
         );
 
-        let layers = |binding| wgpu::BindGroupLayoutEntry {
-            ty: wgpu::BindingType::Texture {
-                sample_type: words,
-                view_dimension: wgpu::TextureViewDimension::D2Array,
-                multisampled: false,
-            },
-            ..texture(binding, words)
-        };
-        let sky_layout = layout("sky", &[layers(0), texture(1, floats), layers(2), texture(3, floats)]);
+        let sky_layout = layout(
+            "sky",
+            &[texture(0, words), texture(1, floats), texture(2, words), texture(3, floats), texture(4, floats)],
+        );
 
         let instances = |array_stride: usize, attributes: &'static [wgpu::VertexAttribute]| wgpu::VertexBufferLayout {
             array_stride: array_stride as u64,
@@ -108,12 +101,10 @@ impl Pipelines {
             ("triangle", module(gpu, "triangle.wgsl")?, instances(size_of::<TriangleInstance>(), &TRIANGLE_ATTRIBUTES)),
         ];
         let groups = [&frame_layout, &placement_layout];
-        let solids = |what: &str, format| {
-            kinds.each_ref().map(|(kind, module, buffer)| {
-                let entries = [format!("vs_{kind}"), format!("fs_{kind}{what}")];
-                pipeline(gpu, kind, module, [&entries[0], &entries[1]], Some(buffer.clone()), format, &groups)
-            })
-        };
+        let surfaces = kinds.each_ref().map(|(kind, module, buffer)| {
+            let entries = [format!("vs_{kind}"), format!("fs_{kind}")];
+            pipeline(gpu, kind, module, [&entries[0], &entries[1]], Some(buffer.clone()), SURFACE_FORMAT, &groups)
+        });
 
         let full = |label: &str, file: &str, entry: &str, format, own: &[&wgpu::BindGroupLayout]| {
             let groups: Vec<_> = std::iter::once(&frame_layout).chain(own.iter().copied()).collect();
@@ -121,8 +112,7 @@ impl Pipelines {
             Ok::<_, crate::Error>(pipeline(gpu, label, &module, ["vs_fullscreen", entry], None, format, &groups))
         };
         Ok(Pipelines {
-            surfaces: solids("", SURFACE_FORMAT),
-            heights: solids("_height", HEIGHT_FORMAT),
+            surfaces,
             ground_map: full("ground map", "ground_map.wgsl", "fs_ground_map", GROUND_FORMAT, &[&field_layout])?,
             shade: full("shade", "shade_pass.wgsl", "fs_shade", SUM_FORMAT, &[&shade_layout, &sky_layout])?,
             resolve: full("resolve", "resolve.wgsl", "fs_resolve", IMAGE_FORMAT, &[&resolve_layout])?,

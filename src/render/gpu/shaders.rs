@@ -18,6 +18,7 @@ pub const FILES: &[(&str, &str)] = embed![
     "color.wgsl",
     "common.wgsl",
     "cone.wgsl",
+    "cone_hit.wgsl",
     "cylinder.wgsl",
     "distance.wgsl",
     "field.wgsl",
@@ -32,8 +33,11 @@ pub const FILES: &[(&str, &str)] = embed![
     "sky.wgsl",
     "sphere.wgsl",
     "torus.wgsl",
+    "torus_hit.wgsl",
     "trapezoid.wgsl",
     "triangle.wgsl",
+    "triangle_hit.wgsl",
+    "tubes.wgsl",
     "unpack.wgsl",
 ];
 

@@ -1,226 +1,279 @@
-//! Depth maps from the directions of the sky and of the key light on the device: the twins of the CPU renderer's, drawn by
-//! the geometry pass with a camera at infinity. `shaders/sky.wgsl` asks them.
+//! Light from afar on the device: the tubes of [`crate::render::tubes`] as textures, which `shaders/sky.wgsl` asks for the
+//! directions that are a sample's turn. The same numbers as on the CPU, from the same lists.
 //!
-//! The sky's maps last as long as the scene, the key's as long as the light's direction.
+//! Tubes of all directions are uploaded at once, and kept as long as scene, light, directions and samples stay, or,
+//! where those would be large, made anew for each sample, for its directions only.
+//!
+//! Limits: nothing is asked, and all light taken to come as where it is not, where the primitives or the tubes of one sample do not
+//! fit the device's textures. With textures of 2048 texels a side, and the 16 samples and 64 directions of a still, those
+//! of about 150,000 atoms do.
 
 use super::device::{Gpu, view_of};
-use super::instances::Instances;
-use super::layout::{DEPTH_FORMAT, FIELD_FORMAT, HEIGHT_FORMAT, SampleConstants};
+use super::ground::{Casters, write_rows};
+use super::layout::{FIELD_FORMAT, WORD_FORMAT};
 use super::pipelines::Pipelines;
 use crate::error::Result;
-use crate::render::frame::FrameConstants;
-use crate::render::settings::{Settings, View};
-use crate::render::sky;
-use crate::scene::{Camera, Projection, Scene};
-use glam::{Mat3, Quat, Vec3};
-use std::collections::VecDeque;
+use crate::render::settings::Settings;
+use crate::render::sky::Turns;
+use crate::render::tubes::{Tubes, tubes};
+use glam::Vec3;
 
-/// Texels of all maps of a light together (2 bytes each). Chosen: 128 MiB.
-const MAX_TEXELS: f32 = 64.0 * 1024.0 * 1024.0;
-/// No texel is finer, in ångström: a tenth of a stick's radius.
-const MIN_TEXEL: f32 = 0.013;
-/// Submissions that may be under way.
-const IN_FLIGHT: usize = 4;
+/// Words of a light's tubes up to which all directions are uploaded at once. Chosen: 64 MiB.
+const ALL_AT_ONCE: usize = 16 << 20;
+/// Words of the tubes of one sample at most. Chosen: 512 MiB.
+const MOST_WORDS: usize = 128 << 20;
+/// Texels of a row at most: a device that has more does not need them for [`MOST_WORDS`].
+const WIDEST_ROW: u32 = 16_384;
 
-/// Maps from some directions.
+/// What a light's directions are found from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Source {
+    Sky { count: u32, samples: u32 },
+    Key { toward: Vec3, samples: u32 },
+}
+
+/// Tubes of some directions on the device.
 #[derive(Debug)]
-struct Maps {
-    layers: wgpu::TextureView,
+struct Texels {
+    words: wgpu::TextureView,
     directions: wgpu::TextureView,
+}
+
+/// One of the two lights.
+#[derive(Debug, Default)]
+struct Light {
+    source: Option<Source>,
+    turns: Turns,
+    /// Tubes of all directions; `None` if nothing is asked, or each sample has tubes of its own.
+    whole: Option<Texels>,
+    is_split: bool,
 }
 
 /// What the shade pass asks.
 #[derive(Debug)]
 pub(super) struct Sky {
-    sky: Option<(u32, Maps)>,
-    key: Option<(Vec3, Maps)>,
-    none: Maps,
-    group: Option<wgpu::BindGroup>,
-    frame: wgpu::Buffer,
-    sample: wgpu::Buffer,
-    frame_group: wgpu::BindGroup,
+    lights: [Light; 2],
+    casters: Option<Casters>,
+    center: Vec3,
+    /// Bound where nothing is asked.
+    none: Texels,
+    no_casters: wgpu::TextureView,
     idle: wgpu::BindGroup,
+    /// All that is asked, unless a light is split.
+    group: Option<wgpu::BindGroup>,
 }
 
 impl Sky {
     pub(super) fn new(gpu: &Gpu, pipelines: &Pipelines) -> Sky {
-        let uniform = |label, size| gpu.empty_buffer(label, wgpu::BufferUsages::UNIFORM, size);
-        let frame = uniform("map frame", super::layout::FRAME_BYTES);
-        let sample = uniform("map sample", size_of::<SampleConstants>() as u64);
-        let frame_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("map frame"),
-            layout: &pipelines.frame_layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: frame.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: sample.as_entire_binding() },
-            ],
-        });
-        let (layers, _) = layers(gpu, "no maps", 1, 1);
-        let none = Maps { layers, directions: directions(gpu, &[], [0.0; 4], [0.0; 4]) };
-        let idle = bind(gpu, pipelines, [&none, &none]);
-        Sky { sky: None, key: None, none, group: None, frame, sample, frame_group, idle }
+        let blank = |label, format| view_of(&gpu.texture(label, [1, 1], format, wgpu::TextureUsages::TEXTURE_BINDING));
+        // Zeros: a sample asks no directions.
+        let none = Texels { words: blank("no tubes", WORD_FORMAT), directions: blank("no directions", FIELD_FORMAT) };
+        let no_casters = blank("no casters", FIELD_FORMAT);
+        let idle = bind(gpu, pipelines, [&none, &none], &no_casters);
+        let (lights, center) = (Default::default(), Vec3::ZERO);
+        Sky { lights, casters: None, center, none, no_casters, idle, group: None }
     }
 
     /// Forgets the scene.
     pub(super) fn clear(&mut self) {
-        (self.sky, self.key, self.group) = (None, None, None);
+        (self.lights, self.casters, self.group) = (Default::default(), None, None);
     }
 
-    /// Group 2 of the shade pass under these settings, after [`Sky::prepare`].
-    pub(super) fn group(&self, settings: &Settings) -> &wgpu::BindGroup {
-        let asked = settings.ao > 0 || settings.shadow;
-        self.group.as_ref().filter(|_| asked).unwrap_or(&self.idle)
-    }
-
-    /// Makes the maps of these settings unless they are there. Moves the placements: the picture's are written after it.
+    /// Makes the tubes of these settings and this key light unless they are there. `center` is the scene's.
     pub(super) fn prepare(
         &mut self,
         gpu: &Gpu,
         pipelines: &Pipelines,
-        instances: Option<&Instances>,
-        scene: &Scene,
-        (frame, settings): (&FrameConstants, &Settings),
+        casters: Option<&Casters>,
+        (center, key_in_world): (Vec3, Vec3),
+        settings: &Settings,
     ) -> Result<()> {
-        // In motion nothing is asked, and the maps of the picture at rest are kept.
-        let (Some(instances), true) = (instances, settings.ao > 0 || settings.shadow) else { return Ok(()) };
-        let count = settings.ao.min(Settings::MOST_DIRECTIONS);
-        if self.sky.as_ref().map_or(0, |(of, _)| *of) != count {
-            (self.sky, self.group) = (None, None);
-            if count > 0 {
-                let maps = self.draw(gpu, pipelines, instances, scene, &sky::directions(count))?;
-                self.sky = Some((count, maps));
+        let (count, samples) = (settings.ao.min(Settings::MOST_DIRECTIONS), settings.samples);
+        let sky = (count > 0).then_some(Source::Sky { count, samples });
+        let key = settings.shadow.then_some(Source::Key { toward: key_in_world, samples });
+        (self.casters, self.center) = (casters.cloned(), center);
+        for (light, wanted) in self.lights.iter_mut().zip([sky, key]) {
+            if light.source != wanted {
+                self.group = None;
+                *light = Light::default(); // the old one goes first
+                if let (Some(source), Some(casters)) = (wanted, casters) {
+                    *light = gpu.guard("uploading the light", || Ok(Light::new(gpu, casters, center, source)))?;
+                }
             }
         }
-        let key = frame.key_in_world();
-        let wanted = settings.shadow.then_some(key);
-        if self.key.as_ref().map(|(of, _)| *of) != wanted {
-            (self.key, self.group) = (None, None);
-            if settings.shadow {
-                let maps = self.draw(gpu, pipelines, instances, scene, &sky::key_directions(key))?;
-                self.key = Some((key, maps));
-            }
-        }
-        if self.group.is_none() {
-            let sky = self.sky.as_ref().map_or(&self.none, |(_, maps)| maps);
-            let key = self.key.as_ref().map_or(&self.none, |(_, maps)| maps);
-            self.group = Some(bind(gpu, pipelines, [sky, key]));
+        if self.group.is_none() && !self.is_split() {
+            let [sky, key] = self.lights.each_ref().map(|light| light.whole.as_ref().unwrap_or(&self.none));
+            self.group = Some(self.bound(gpu, pipelines, [sky, key]));
         }
         Ok(())
     }
 
-    fn draw(
-        &self,
-        gpu: &Gpu,
-        pipelines: &Pipelines,
-        instances: &Instances,
-        scene: &Scene,
-        all: &[Vec3],
-    ) -> Result<Maps> {
-        let bounds = scene.bounds();
-        let radius = (bounds.size().length() * 0.5).max(1e-3);
-        let finest = (2.0 * radius / MIN_TEXEL).ceil();
-        let side = (MAX_TEXELS / all.len() as f32).sqrt().min(finest).floor() as u32;
-        let side = side.clamp(16, gpu.limits.max_texture_dimension_2d);
-        // A texel of free border on each side.
-        let texel = 2.0 * radius / (side - 2) as f32;
-        gpu.guard("drawing the light's maps", || {
-            let (view, texture) = layers(gpu, "maps", side, all.len() as u32);
-            let depth =
-                view_of(&gpu.texture("map depth", [side, side], DEPTH_FORMAT, wgpu::TextureUsages::RENDER_ATTACHMENT));
-            let mut under_way = VecDeque::new();
-            for (layer, &toward) in all.iter().enumerate() {
-                let camera = camera(bounds.center(), radius, toward, side as f32 * texel);
-                let settings = Settings { ground_texels: 16, ..Settings::default() };
-                let frame = FrameConstants::new(scene, &View::new(camera, side, side), &settings);
-                let (origin, size) = ([0, 0], [side, side]);
-                let sample = SampleConstants { origin, size, offset: [0.5, 0.5], done: 0, turn: 0 };
-                gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
-                gpu.queue.write_buffer(&self.sample, 0, bytemuck::bytes_of(&sample));
-                instances.place(gpu, scene, camera.view_from_world());
-                let target = texture.create_view(&wgpu::TextureViewDescriptor {
-                    dimension: Some(wgpu::TextureViewDimension::D2),
-                    base_array_layer: layer as u32,
-                    array_layer_count: Some(1),
-                    ..wgpu::TextureViewDescriptor::default()
-                });
-                under_way.push_back(gpu.submit("map", |encoder| {
-                    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                        label: Some("map"),
-                        color_attachments: &[Some(super::draw::cleared(&target))],
-                        depth_stencil_attachment: Some(super::draw::cleared_depth(&depth)),
-                        ..wgpu::RenderPassDescriptor::default()
-                    });
-                    pass.set_bind_group(0, &self.frame_group, &[]);
-                    instances.draw(&pipelines.heights, &mut pass);
-                }));
-                if under_way.len() > IN_FLIGHT
-                    && let Some(oldest) = under_way.pop_front()
-                {
-                    gpu.wait(&oldest)?;
-                }
-            }
-            let steps = 65_534.0 / (2.0 * radius);
-            let directions = directions(
-                gpu,
-                all,
-                [all.len() as f32, side as f32, 1.0 / texel, 0.0],
-                [steps, 1.0 + radius * steps, 0.0, 0.0],
-            );
-            Ok(Maps { layers: view, directions })
-        })
+    /// Whether each sample has tubes of its own, which may be large.
+    pub(super) fn is_split(&self) -> bool {
+        self.lights.iter().any(|light| light.is_split)
+    }
+
+    /// Group 2 of the shade pass for a sample, after [`Sky::prepare`] if anything is asked.
+    pub(super) fn group(&self, gpu: &Gpu, pipelines: &Pipelines, asks: bool, sample: u32) -> wgpu::BindGroup {
+        if !asks {
+            return self.idle.clone();
+        }
+        if let Some(group) = &self.group {
+            return group.clone();
+        }
+        let own = self.lights.each_ref().map(|light| self.of_sample(gpu, light, sample));
+        let both = [0, 1].map(|i| own[i].as_ref().or(self.lights[i].whole.as_ref()).unwrap_or(&self.none));
+        self.bound(gpu, pipelines, both)
+    }
+
+    /// Tubes of the directions of one sample, if the light is split and they fit.
+    fn of_sample(&self, gpu: &Gpu, light: &Light, sample: u32) -> Option<Texels> {
+        let casters = self.casters.as_ref().filter(|_| light.is_split)?;
+        let tubes = tubes(&casters.bounds, self.center, light.turns.of_sample(sample));
+        Texels::new(gpu, &Packed::new(&tubes, [light.turns.each, 1], MOST_WORDS)?)
+    }
+
+    fn bound(&self, gpu: &Gpu, pipelines: &Pipelines, lights: [&Texels; 2]) -> wgpu::BindGroup {
+        let casters = self.casters.as_ref().map_or(&self.no_casters, |casters| &casters.texels);
+        bind(gpu, pipelines, lights, casters)
     }
 }
 
-/// A camera far out towards the light, that sees the ball around the scene: depth runs over its diameter.
-fn camera(center: Vec3, radius: f32, toward: Vec3, height: f32) -> Camera {
-    let [right, up] = sky::across(toward);
-    let near = radius;
-    Camera {
-        eye: center + toward * (radius + near),
-        world_from_view: Quat::from_mat3(&Mat3::from_cols(right, up, toward)),
-        projection: Projection::Orthographic { height },
-        near,
-        far: near + 2.0 * radius,
-        target: center,
+impl Light {
+    fn new(gpu: &Gpu, casters: &Casters, center: Vec3, source: Source) -> Light {
+        let turns = match source {
+            Source::Sky { count, samples } => Turns::of_sky(count, samples),
+            Source::Key { toward, samples } => Turns::of_key(toward, samples),
+        };
+        let mut light = Light { source: Some(source), turns, ..Light::default() };
+        let directions = &light.turns.directions;
+        if casters.bounds.is_empty() || directions.is_empty() {
+            return light;
+        }
+        // The tubes of all directions are about as large.
+        let first = tubes(&casters.bounds, center, &directions[..1]);
+        let estimate = first.iter().map(words_of).sum::<usize>().saturating_mul(directions.len());
+        if estimate <= ALL_AT_ONCE {
+            let all = tubes(&casters.bounds, center, directions);
+            let turns = directions.len() as u32 / light.turns.each.max(1);
+            let packed = Packed::new(&all, [light.turns.each, turns], 2 * ALL_AT_ONCE);
+            light.whole = packed.and_then(|packed| Texels::new(gpu, &packed));
+        }
+        light.is_split = light.whole.is_none();
+        light
     }
 }
 
-fn layers(gpu: &Gpu, label: &str, side: u32, count: u32) -> (wgpu::TextureView, wgpu::Texture) {
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: count },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: HEIGHT_FORMAT,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    });
-    let view = texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2Array),
-        ..wgpu::TextureViewDescriptor::default()
-    });
-    (view, texture)
+fn words_of(tubes: &Tubes) -> usize {
+    tubes.first.len() + tubes.list.len()
 }
 
-/// Row 0 says how the maps are laid out, each other row holds a direction's axes.
-fn directions(gpu: &Gpu, all: &[Vec3], size: [f32; 4], steps: [f32; 4]) -> wgpu::TextureView {
-    let mut rows = vec![[size, steps, [0.0; 4]]];
-    rows.extend(all.iter().map(|&toward| {
-        let [right, up] = sky::across(toward);
-        [right, up, toward].map(|axis| axis.extend(0.0).to_array())
-    }));
-    let usage = wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING;
-    let texture = gpu.texture("map directions", [3, rows.len() as u32], FIELD_FORMAT, usage);
-    super::ground::write_rows(gpu, &texture, [3, rows.len() as u32], bytemuck::cast_slice(&rows));
-    view_of(&texture)
+/// Tubes as the words and texels that shaders/tubes.wgsl describes.
+#[derive(Debug)]
+struct Packed {
+    words: Vec<u32>,
+    /// Of the first row: directions a sample asks, and turns.
+    turns: [u32; 2],
+    rows: Vec<[[f32; 4]; 4]>,
 }
 
-fn bind(gpu: &Gpu, pipelines: &Pipelines, [sky, key]: [&Maps; 2]) -> wgpu::BindGroup {
+impl Packed {
+    /// `None` if that is more than so many words.
+    fn new(tubes: &[Tubes], turns: [u32; 2], most: usize) -> Option<Packed> {
+        let size: usize = tubes.iter().map(words_of).sum();
+        if size > most {
+            return None;
+        }
+        let mut words = Vec::with_capacity(size);
+        let mut rows = Vec::with_capacity(tubes.len());
+        let mut list_start = tubes.iter().map(|t| t.first.len()).sum::<usize>() as u32;
+        for t in tubes {
+            let first = words.len() as u32;
+            words.extend(t.first.iter().map(|start| start + list_start));
+            list_start += t.list.len() as u32;
+            // Halves of the number: f32 holds no more than 24 bits.
+            rows.push([
+                t.right.extend(t.corner[0]).to_array(),
+                t.up.extend(t.corner[1]).to_array(),
+                t.toward.extend(t.per_angstrom).to_array(),
+                [t.size[0] as f32, t.size[1] as f32, (first & 0xffff) as f32, (first >> 16) as f32],
+            ]);
+        }
+        tubes.iter().for_each(|t| words.extend(&t.list));
+        Some(Packed { words, turns, rows })
+    }
+}
+
+impl Texels {
+    /// `None` if it does not fit the device's textures.
+    fn new(gpu: &Gpu, packed: &Packed) -> Option<Texels> {
+        let limit = gpu.limits.max_texture_dimension_2d;
+        let widest = WIDEST_ROW.min(1 << limit.max(1).ilog2());
+        let square = (packed.words.len() as f64).sqrt() as u32;
+        let width = square.next_power_of_two().clamp(256.min(widest), widest);
+        let height = u32::try_from(packed.words.len().div_ceil(width as usize).max(1)).ok()?;
+        let [each, turns] = packed.turns;
+        let size = [4, packed.rows.len() as u32 + 1];
+        if height > limit || size[1] > limit {
+            return None;
+        }
+        let usage = wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::TEXTURE_BINDING;
+        let words = gpu.texture("tubes", [width, height], WORD_FORMAT, usage);
+        let whole = packed.words.len() / width as usize;
+        let (rows, rest) = packed.words.split_at(whole * width as usize);
+        write_rows(gpu, &words, 0, [width, whole as u32], bytemuck::cast_slice(rows));
+        if !rest.is_empty() {
+            let mut last = rest.to_vec();
+            last.resize(width as usize, 0);
+            write_rows(gpu, &words, whole as u32, [width, 1], bytemuck::cast_slice(&last));
+        }
+        let mut texels = vec![[[each as f32, turns as f32, width.ilog2() as f32, 0.0], [0.0; 4], [0.0; 4], [0.0; 4]]];
+        texels.extend(&packed.rows);
+        let directions = gpu.texture("directions", size, FIELD_FORMAT, usage);
+        write_rows(gpu, &directions, 0, size, bytemuck::cast_slice(&texels));
+        Some(Texels { words: view_of(&words), directions: view_of(&directions) })
+    }
+}
+
+fn bind(gpu: &Gpu, pipelines: &Pipelines, [sky, key]: [&Texels; 2], casters: &wgpu::TextureView) -> wgpu::BindGroup {
     let entry = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
     gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("sky"),
         layout: &pipelines.sky_layout,
-        entries: &[entry(0, &sky.layers), entry(1, &sky.directions), entry(2, &key.layers), entry(3, &key.directions)],
+        entries: &[
+            entry(0, &sky.words),
+            entry(1, &sky.directions),
+            entry(2, &key.words),
+            entry(3, &key.directions),
+            entry(4, casters),
+        ],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::solids::{Solids, Sphere};
+    use crate::render::tubes::Bounds;
+
+    #[test]
+    fn packed_words_lead_to_the_lists_of_every_tube() {
+        let centers = (0..200u32).map(|i| Vec3::new((i % 7) as f32, (i % 11) as f32, (i % 13) as f32) * 1.7);
+        let spheres = centers.map(|center| Sphere { center, radius: 0.9 }).collect();
+        let bounds = Bounds::new(&Solids { spheres, ..Solids::default() });
+        let all = tubes(&bounds, Vec3::ONE, &crate::render::sky::directions(9));
+        let packed = Packed::new(&all, [3, 3], 1 << 20).unwrap();
+        assert_eq!(packed.words.len(), all.iter().map(words_of).sum::<usize>());
+        for (tubes, [right, up, toward, grid]) in all.iter().zip(&packed.rows) {
+            assert_eq!([right[3], up[3]], tubes.corner);
+            assert_eq!(toward[3], tubes.per_angstrom);
+            assert_eq!([grid[0] as u32, grid[1] as u32], tubes.size);
+            let start = grid[2] as usize + ((grid[3] as usize) << 16);
+            for tube in 0..(tubes.size[0] * tubes.size[1]) as usize {
+                let [from, to] = [packed.words[start + tube], packed.words[start + tube + 1]];
+                assert_eq!(&packed.words[from as usize..to as usize], tubes.of(tube));
+            }
+        }
+        assert!(Packed::new(&all, [3, 3], 100).is_none());
+    }
 }

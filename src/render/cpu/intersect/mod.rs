@@ -103,7 +103,6 @@ pub fn primitive_normal(ray: &Ray, solids: &Solids, index: usize, near: f32, t: 
 }
 
 #[cfg(test)]
-#[cfg(test)]
 mod shape_tests;
 #[cfg(test)]
 mod tests;
