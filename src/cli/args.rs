@@ -154,9 +154,12 @@ pub struct LookArgs {
     /// What the colours of atoms say
     #[arg(long, value_name = "SCHEME", default_value = "element", help_heading = "Look")]
     pub color_by: ColorByArg,
-    /// Background: transparent, #rrggbb, or a name such as white
-    #[arg(long, value_name = "COLOR", default_value = "white", help_heading = "Look")]
-    pub background: Backdrop,
+    /// Light: studio, soft, flat or dark
+    #[arg(long, value_name = "LOOK", default_value = "studio", help_heading = "Look")]
+    pub look: LookArg,
+    /// Background: transparent, #rrggbb, or a name such as white [default: white; with --look dark nearly black]
+    #[arg(long, value_name = "COLOR", help_heading = "Look")]
+    pub background: Option<Backdrop>,
     /// Put a ground under the molecule (the default in pictures)
     #[arg(long, overrides_with = "no_ground", help_heading = "Look")]
     pub ground: bool,
@@ -235,10 +238,17 @@ impl LookArgs {
         !self.no_ground
     }
 
+    /// The background, the look's where none is asked for.
+    #[must_use]
+    pub fn backdrop(&self) -> Backdrop {
+        let of_look = || crate::scene::Look::from_name(&self.look.name()).unwrap_or_default().background();
+        self.background.unwrap_or_else(|| Backdrop(Some(of_look())))
+    }
+
     /// The colour behind the molecule; white where the background is transparent.
     #[must_use]
     pub fn solid_background(&self) -> Srgb8 {
-        self.background.0.unwrap_or(Srgb8::WHITE)
+        self.backdrop().0.unwrap_or(Srgb8::WHITE)
     }
 }
 
@@ -387,6 +397,19 @@ pub enum LabelArg {
     None,
 }
 
+/// `--look`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LookArg {
+    /// A key light with shadow, a little fill, highlights
+    Studio,
+    /// Light from all around: ambient occlusion shows the shape
+    Soft,
+    /// The colours as they are, hardly shaded
+    Flat,
+    /// Before a dark background
+    Dark,
+}
+
 /// `--aromatic`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum AromaticArg {
@@ -522,6 +545,7 @@ mod tests {
             "--label-size=1.5",
             "--legend",
             "--scale-bar",
+            "--look=soft",
             "--aromatic=dashes",
             "--vectors=forces",
             "--vector-scale=0.5",
@@ -552,6 +576,7 @@ mod tests {
             &["--label=element,colour"],
             &["--label-size=0"],
             &["--label-size=nan"],
+            &["--look=glossy"],
             &["--aromatic=circle"],
             &["--vector-scale=0"],
             &["--overlay=a.obj", "--overlay-opacity=1.5"],

@@ -88,7 +88,7 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
         let name = format.extensions()[0];
         report.warn(&args.output, &format!("{name} has no place for the resolution; png and jpg have"));
     }
-    if args.look.background.0.is_none() && args.channel == Channel::Color && !format.holds_alpha() {
+    if args.look.backdrop().0.is_none() && args.channel == Channel::Color && !format.holds_alpha() {
         let name = format.extensions()[0];
         report.warn(&args.output, &format!("{name} cannot be transparent; the background is white"));
     }
@@ -171,7 +171,7 @@ fn one_picture(
     let region = region.unwrap_or(Region { x: 0, y: 0, width, height });
     let target = Target { region, channel: args.channel, format, path: &picture.output };
     let options = |draw: &dyn Draw| PictureOptions {
-        alpha: args.look.background.0.is_none() && args.channel == Channel::Color,
+        alpha: args.look.backdrop().0.is_none() && args.channel == Channel::Color,
         background: args.look.solid_background(),
         dpi: args.size.dpi(args.dpi),
         texts: metadata(args, size, &drawn_inputs, &drawn, &draw.renderer()),
@@ -240,7 +240,8 @@ fn settings(args: &RenderArgs, size: Size, inputs: &[&PathBuf]) -> serde_json::V
         "channel": args.channel.name(),
         "style": look.style.name(),
         "color-by": look.color_by.name(),
-        "background": look.background.to_string(),
+        "background": look.backdrop().to_string(),
+        "look": look.look.name(),
         "ground": look.has_ground(),
         "projection": look.projection.name(),
         "view": text(look.view.as_ref().map(|v| v as _)),

@@ -11,8 +11,8 @@ use crate::error::{Error, Result};
 use crate::import;
 use crate::render::{Choice, Quality, Renderer, Selection, Settings, View, crop, select};
 use crate::scene::{
-    AltlocChoice, Aromatic, Background, ColorBy, Item, LabelContent, Orientation, OverlayOptions, Scene, SceneOptions,
-    Style, VectorChoice, vector_scales,
+    AltlocChoice, Aromatic, Background, ColorBy, Item, LabelContent, Look, Orientation, OverlayOptions, Scene,
+    SceneOptions, Style, VectorChoice, vector_scales,
 };
 use crate::structure::Mesh;
 use glam::{DVec3, Vec3};
@@ -196,7 +196,8 @@ pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOpt
         },
         perspective: look.projection == ProjectionArg::Perspective,
         ground: look.has_ground(),
-        background: look.background.0.map_or(Background::Transparent, Background::Color),
+        background: look.backdrop().0.map_or(Background::Transparent, Background::Color),
+        look: Look::from_name(&look.look.name()).unwrap_or_default(),
         haptic: look.haptic,
         text: text_options(&look.text),
         aromatic: Aromatic::from_name(&look.aromatic.name()).unwrap_or_default(),
@@ -344,6 +345,9 @@ mod tests {
         }
         for value in AromaticArg::value_variants() {
             assert!(Aromatic::from_name(&value.name()).is_some(), "{value:?}");
+        }
+        for value in LookArg::value_variants() {
+            assert!(Look::from_name(&value.name()).is_some(), "{value:?}");
         }
         for value in ColorByArg::value_variants() {
             assert!(ColorBy::from_name(&value.name()).is_some(), "{value:?}");

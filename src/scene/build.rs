@@ -4,6 +4,7 @@ use super::aromatic::Aromatic;
 use super::axes::{self, Axes};
 use super::coloring::ColorBy;
 use super::light::{Background, Ground};
+use super::look::Look;
 use super::overlay::{self, OverlayOptions};
 use super::vectors::{self, VectorChoice};
 use super::{Block, Placement, Scene, Style, block, cell_box, fit, meshes, wedges};
@@ -103,6 +104,8 @@ pub struct SceneOptions {
     pub haptic: bool,
     /// What is written over the picture. Default: nothing.
     pub text: OverlayOptions,
+    /// How light falls. Default: studio. (The background is a setting of its own: see [`Look::background`].)
+    pub look: Look,
     /// How aromatic bonds look. Default: a ring in each ring.
     pub aromatic: Aromatic,
     /// Which vectors on atoms are drawn as arrows. Default: none.
@@ -133,6 +136,7 @@ impl Default for SceneOptions {
             background: Background::default(),
             haptic: false,
             text: OverlayOptions::default(),
+            look: Look::default(),
             aromatic: Aromatic::default(),
             vectors: VectorChoice::default(),
             vector_scale: None,
@@ -210,6 +214,7 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
     }
     scene.world_from_view = Quat::from_rotation_x(-pitch);
     scene.perspective = options.perspective;
+    scene.lighting = options.look.lighting();
     scene.background = options.background;
     scene.set_ground(options.ground);
     scene.overlay = Arc::new(overlay::build(&scene, &places, &options.text, options.color_by));
