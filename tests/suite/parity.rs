@@ -307,7 +307,7 @@ fn gpu_and_cpu_write_the_same_text() {
     let labels = LabelContent { element: true, index: true, ..LabelContent::default() };
     let overlay = OverlayOptions { labels, legend: true, scale_bar: true, ..OverlayOptions::default() };
     let pictures = [OverlayOptions::default(), overlay].map(|overlay| {
-        let options = SceneOptions { overlay, background: Background::Transparent, ..SceneOptions::default() };
+        let options = SceneOptions { text: overlay, background: Background::Transparent, ..SceneOptions::default() };
         let scene = Arc::new(Scene::new(&[Item::of(&molecule)], &options));
         let view = View::new(scene.fitted_camera(16.0 / 9.0), 480, 270);
         cpu.load(Arc::clone(&scene)).unwrap();
