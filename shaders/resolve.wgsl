@@ -6,6 +6,8 @@
 
 @group(1) @binding(0) var sums: texture_2d<u32>;
 @group(1) @binding(1) var ground_light: texture_2d<u32>;
+// Of windows only: text in sRGB with straight alpha, a byte a channel; one clear texel where there is none.
+@group(1) @binding(2) var text: texture_2d<u32>;
 
 // Twin of GroundMap::at; two floats a texel.
 fn ground_map_at(point_in_world: vec3<f32>) -> vec2<f32> {
@@ -67,10 +69,12 @@ fn fs_resolve(@builtin(position) fragment: vec4<f32>) -> @location(0) vec4<f32> 
     return vec4<f32>(encode(color.xyz / color.w), quantise(color.w));
 }
 
-// Opaque, for windows: what is transparent stands on white.
+// Opaque, for windows: what is transparent stands on white, text is laid over it in sRGB as in pictures.
 fn opaque_srgb(fragment: vec4<f32>) -> vec3<f32> {
     let color = mean(fragment);
-    return encode(color.xyz + (1.0 - min(color.w, 1.0)));
+    let last = vec2<i32>(textureDimensions(text)) - 1;
+    let ink = vec4<f32>(textureLoad(text, min(vec2<i32>(fragment.xy), last), 0)) / 255.0;
+    return mix(encode(color.xyz + (1.0 - min(color.w, 1.0))), ink.xyz, ink.w);
 }
 
 @fragment

@@ -69,20 +69,28 @@
 //!   on the molecule is the mean over 16 directions in a cone ([`render::sky`]). The reference casts rays; the product and the
 //!   GPU ask the primitives in the tube above a point ([`render::tubes`]), which is as exact. The samples of a pixel share the
 //!   directions out.
+//! - A part of a picture ([`render::View::region`]) is byte for byte what it is in the whole: large pictures are made of such parts.
 //! - Ground and background are smooth and found once a pixel; what a primitive covers is found and shaded at every sample.
+//! - Labels, legend and scale bar are placed in parts of the full picture's height and drawn onto the finished picture, by the same code for both
+//!   renderers ([`render::overlay`]).
 //!
 //! # Known limits
 //!
 //! - Without hydrogens, which nitrogen of an azole carries one, and keto or enol, is guessed from lengths: about 3 % of such molecules
 //!   come out as the other form.
-//! - Outlines and labels are missing.
+//! - Outlines are missing.
 //! - On a GPU whose textures are too small for the primitives, or for the tubes of one sample's directions (about 150,000 atoms
 //!   where 2048 texels a side are all), there is no ambient occlusion and no shadow on the molecule.
 //! - A see-through primitive of opacity 0.5 and more throws a full shadow. See-through ones seen through one another take their
 //!   samples each by its id, so that two may show a little more or less than they would by the rules of glass; with 4 samples
 //!   there are only 4 steps of opacity.
 //! - A coarse mesh with smooth normals shades itself where the light grazes it: its faces are flat.
+//! - In a window drawn by a GPU there are no labels while something moves.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
+//! - Large pictures are drawn in strips, each of which sorts all primitives anew. JPEG and WebP are gathered in memory, 3 or 4 bytes a
+//!   pixel. If a device is lost in the middle, the CPU draws the rest of the picture, while its metadata names the device.
+//! - One opacity cannot serve every way of laying pictures over one another: edges of transparent pictures are exact where light is
+//!   added in linear space, the ground's shadow where sRGB values are, as most programs do; there, edges on white look a little darker. Edge samples brighter than white are cut after the mean, not before.
 //! - A truncated single-frame XYZ file is refused, not shown in part.
 //! - Symmetry is applied where the file lists its operations (CIF of small molecules, REMARK 290 of PDB), not from the name of the
 //!   space group, which is all that mmCIF files of proteins give. A protein is drawn as listed unless `--cell full` asks for the

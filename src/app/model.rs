@@ -6,7 +6,7 @@ use crate::crystal::Drawn;
 use crate::error::Result;
 use crate::export::{atomic, picture};
 use crate::render::{Choice, Settings, View, select};
-use crate::scene::{Camera, Item, Scene, SceneOptions, Style, fit};
+use crate::scene::{Background, Camera, Item, Scene, SceneOptions, Style, fit};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -120,7 +120,8 @@ impl Model {
         let stem = self.first_file().file_stem().map_or("ballstick".into(), |stem| stem.to_string_lossy());
         let path = (1..).map(|n| PathBuf::from(format!("{stem}-{n}.png"))).find(|path| !path.exists());
         let path = path.unwrap_or_else(|| PathBuf::from("ballstick.png"));
-        let options = picture::PictureOptions::default();
+        let alpha = self.scene.background == Background::Transparent;
+        let options = picture::PictureOptions { alpha, ..picture::PictureOptions::default() };
         let content = picture::Content::Color(&image);
         atomic::write(&path, |out| picture::write(content, picture::PictureFormat::Png, &options, out))?;
         Ok(path)

@@ -1,6 +1,7 @@
 //! The command line, as it is typed. Nothing here acts; names and defaults are what others script against.
 
-use super::values::{Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Size, Supercell, counted_from_1};
+use super::size::{Crop, PictureSize};
+use super::values::{Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Supercell, counted_from_1, text_size};
 use crate::color::Srgb8;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroU32;
@@ -68,6 +69,7 @@ pub struct ViewArgs {
 Examples:
   ballstick render caffeine.sdf -o caffeine.png
   ballstick render 1crn.pdb -o fig.png --size 3000x2000 --background transparent
+  ballstick render 1crn.pdb -o fig.png --size 85mmx60mm --dpi 600 --crop auto
   ballstick render *.sdf -o pictures/            one picture each: pictures/NAME.png
   ballstick render *.sdf -o 'out/{stem}.webp'    the same with names of your own
   curl … | ballstick render - -o - > fig.png
@@ -94,12 +96,20 @@ pub struct RenderArgs {
     /// Picture format where OUT does not say: png, jpg, webp, ppm or npy [default: png]
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<String>,
-    /// Width and height of the picture in pixels
+    /// Width and height of the picture in pixels, up to 32768 each, or in print (see --dpi): 85mmx60mm, 8cmx6cm,
+    /// 3.3inx2.5in; 85mm alone is the width of a picture of the usual shape
     #[arg(long, value_name = "WxH", default_value = "1920x1080", help_heading = "Picture")]
-    pub size: Size,
+    pub size: PictureSize,
+    /// Pixels an inch: what lengths in --size become, and what PNG and JPEG files say [default: 300 for lengths]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=9600), help_heading = "Picture")]
+    pub dpi: Option<u32>,
     /// Draw only this part of the full picture, in pixels from its upper left corner
-    #[arg(long, value_name = "X,Y,W,H", help_heading = "Picture")]
+    #[arg(long, value_name = "X,Y,W,H", conflicts_with = "crop", help_heading = "Picture")]
     pub region: Option<Region>,
+    /// Cut the picture to what is not background, shadow included: auto, or auto,MARGIN with the space that stays around
+    /// it in pixels (auto,20) or percent of its longer side (auto,5%) [default margin: 2%]
+    #[arg(long, value_name = "HOW", help_heading = "Picture")]
+    pub crop: Option<Crop>,
     /// Effort: samples, ambient occlusion and shadows
     #[arg(long, value_name = "LEVEL", default_value = "standard", help_heading = "Picture")]
     pub quality: QualityArg,
@@ -166,6 +176,28 @@ pub struct LookArgs {
     /// Draw one stick from a metal to the middle of a ring or double bond that it holds, not one to each atom
     #[arg(long, help_heading = "Molecule")]
     pub haptic: bool,
+    /// Text.
+    #[command(flatten)]
+    pub text: TextArgs,
+}
+
+/// What is written over the picture.
+#[derive(Debug, Clone, Args)]
+pub struct TextArgs {
+    /// Label atoms or residues, several with commas: element,index gives C12. Only what is seen is labelled, and of labels that
+    /// would overlap the nearest
+    #[arg(long, value_name = "WHAT", value_delimiter = ',', default_value = "none", help_heading = "Text")]
+    pub label: Vec<LabelArg>,
+    /// Size of all text, 0.2 to 5; at 1 capitals are 2 % of the picture's height
+    #[arg(long, value_name = "X", value_parser = text_size, default_value = "1", help_heading = "Text")]
+    pub label_size: f64,
+    /// Say which colour is which, in the lower left corner
+    #[arg(long, help_heading = "Text")]
+    pub legend: bool,
+    /// Draw a bar of a round length, in the lower right corner; in perspective it holds in the depth of the molecule's
+    /// centre
+    #[arg(long, help_heading = "Text")]
+    pub scale_bar: bool,
 }
 
 impl LookArgs {
@@ -312,6 +344,21 @@ pub enum ColorByArg {
     Residue,
 }
 
+/// `--label`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LabelArg {
+    /// The symbol of each atom's element
+    Element,
+    /// The number of each atom in its file, from 1
+    Index,
+    /// The name of each atom; where the file gives none, its element
+    Name,
+    /// Name and number of each residue, such as GLY 12
+    Residue,
+    /// Nothing
+    None,
+}
+
 /// `--projection`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ProjectionArg {
@@ -424,15 +471,22 @@ mod tests {
             "--record=all",
             "--channel=depth",
             "--region=0,0,10,10",
+            "--dpi=600",
             "--quality=high",
             "--timings",
             "--altloc=B",
             "--cell=full",
             "--supercell=2x2x1",
             "--haptic",
+            "--label=element,index",
+            "--label=residue",
+            "--label-size=1.5",
+            "--legend",
+            "--scale-bar",
         ];
         let args = render(&flags).unwrap();
         assert_eq!((args.look.style.name(), args.look.has_ground()), ("space-filling".to_owned(), false));
+        assert_eq!(args.look.text.label, [LabelArg::Element, LabelArg::Index, LabelArg::Residue]);
         assert_eq!(args.look.view, Some(Direction([-1.0, 0.0, 0.0])));
         assert_eq!(render(&["--axis", "-1,1,0"]).unwrap().look.axis, Some(Axis([-1, 1, 0])));
         assert!(render(&["--no-ground", "--ground"]).unwrap().look.has_ground());
@@ -447,7 +501,13 @@ mod tests {
             &["--samples=5000"],
             &["--frame=0"],
             &["--style=cartoon"],
+            &["--label=element,colour"],
+            &["--label-size=0"],
+            &["--label-size=nan"],
             &["--view=front", "--axis=111"],
+            &["--size=32769x10"],
+            &["--dpi=0"],
+            &["--crop=auto", "--region=0,0,10,10"],
         ] {
             let error = render(flags).expect_err(&format!("{flags:?}"));
             assert_eq!(error.exit_code(), 2, "{flags:?}");

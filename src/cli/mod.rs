@@ -14,6 +14,8 @@ mod picture;
 mod plan;
 mod render;
 mod report;
+pub mod size;
+mod strips;
 pub mod values;
 mod view;
 

@@ -1,17 +1,19 @@
 //! `ballstick render`: from files to picture files, one after another.
 //!
-//! The renderer uses all cores for each picture. One bad file never stops the others; even a panic costs only its
+//! The renderer uses all cores for each picture, strip by strip where it is large ([`super::strips`]). One bad file never stops the others; even a panic costs only its
 //! own picture. Drawing itself is behind [`Draw`], so that this module knows neither scene nor renderer.
 
 use super::args::{Channel, Named, RenderArgs};
 use super::load::{LoadSeconds, load_for_picture};
 use super::plan::{Picture, Plan, plan};
 use super::report::Report;
-use super::values::{RecordChoice, check_size};
+use super::size::{Size, check_region};
+use super::strips::{self, Target};
+use super::values::{RecordChoice, Region};
 use crate::crystal::Drawn;
 use crate::error::{Error, Result};
 use crate::export::atomic;
-use crate::export::picture::{self, Content, PictureFormat, PictureOptions};
+use crate::export::picture::{PictureFormat, PictureOptions};
 use crate::render::image::{GBuffer, Image};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -23,21 +25,23 @@ pub(super) enum Pixels {
     Surface(GBuffer),
 }
 
-/// A picture and what it took.
-pub(super) struct Drawing {
-    pub(super) drawn: Pixels,
-    /// The renderer's name.
-    pub(super) renderer: String,
-    /// What the user should know of it.
-    pub(super) notices: Vec<String>,
-    pub(super) scene_seconds: f64,
-    pub(super) render_seconds: f64,
-}
-
 /// Draws structures as the arguments ask.
 pub(super) trait Draw {
-    /// `side_by_side` says that the structures are to stand next to one another, not where their files put them.
-    fn draw(&mut self, drawn: &[Drawn], side_by_side: bool, args: &RenderArgs) -> Result<Drawing>;
+    /// Takes what the next picture shows. `side_by_side` says that the structures are to stand next to one another,
+    /// not where their files put them.
+    fn load(&mut self, drawn: &[Drawn], side_by_side: bool, args: &RenderArgs, size: Size) -> Result<()>;
+
+    /// Draws a part of the picture.
+    fn part(&mut self, region: Region, channel: Channel) -> Result<Pixels>;
+
+    /// The part of the picture that is not background; `None` if there is none.
+    fn seen(&mut self) -> Result<Option<Region>>;
+
+    /// Who draws, once something is drawn.
+    fn renderer(&self) -> String;
+
+    /// What the user should know since the last call.
+    fn notices(&mut self) -> Vec<String>;
 
     /// Forgets what a panic may have left half done.
     fn reset(&mut self);
@@ -62,15 +66,22 @@ struct Timings<'a> {
 /// An error is one of usage.
 pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -> Result<(), String> {
     let Plan { pictures, clashes, new_folder, format } = plan(&args.files, &args.output, args.to.as_deref())?;
-    check_size(args.size, args.region)?;
+    let size = args.size.pixels(args.dpi)?;
+    if let Some(region) = args.region {
+        check_region(size, region)?;
+    }
     if args.channel != Channel::Color && !format.holds_channels() {
         let (channel, name) = (args.channel.name(), format.extensions()[0]);
         return Err(format!("--channel {channel} needs a .png or .npy file: {name} holds no channels"));
     }
-    let side = args.region.map_or(args.size.width.max(args.size.height), |r| r.width.max(r.height));
-    if side > format.max_side() {
+    let side = args.region.map_or(size.width.max(size.height), |r| r.width.max(r.height));
+    if side > format.max_side() && args.crop.is_none() {
         let (name, limit) = (format.extensions()[0], format.max_side());
-        return Err(format!("--size {}: {name} has at most {limit} pixels a side; use png", args.size));
+        return Err(format!("--size {size}: {name} has at most {limit} pixels a side; use png"));
+    }
+    if args.dpi.is_some() && !format.holds_resolution() {
+        let name = format.extensions()[0];
+        report.warn(&args.output, &format!("{name} has no place for the resolution; png and jpg have"));
     }
     if args.look.background.0.is_none() && args.channel == Channel::Color && !format.holds_alpha() {
         let name = format.extensions()[0];
@@ -95,7 +106,7 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
         report.step(index, &picture.output.to_string_lossy());
         let mut finished = false;
         let result = super::guarded(|| {
-            let result = one_picture(args, picture, format, report, draw);
+            let result = one_picture(args, size, (picture, format), report, draw);
             finished = true;
             result
         });
@@ -113,8 +124,8 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
 
 fn one_picture(
     args: &RenderArgs,
-    picture: &Picture,
-    format: PictureFormat,
+    size: Size,
+    (picture, format): (&Picture, PictureFormat),
     report: &Report,
     draw: &mut dyn Draw,
 ) -> Result<()> {
@@ -136,35 +147,49 @@ fn one_picture(
         return Ok(()); // said above, input by input
     }
     let side_by_side = args.select.record == Some(RecordChoice::All);
-    let drawing = draw.draw(&drawn, side_by_side, args)?;
-    for notice in &drawing.notices {
-        report.warn(&picture.output, notice);
-    }
-    let encoding = Instant::now();
-    let options = PictureOptions {
+    let loading = Instant::now();
+    draw.load(&drawn, side_by_side, args, size)?;
+    let scene_seconds = loading.elapsed().as_secs_f64();
+    let finding = Instant::now();
+    let region = match args.crop {
+        None => args.region,
+        Some(crop) => {
+            let seen = draw.seen()?;
+            if seen.is_none() {
+                report.warn(&picture.output, "nothing is seen in the picture; --crop leaves it as it is");
+            }
+            seen.map(|seen| crop.around(seen, size))
+        }
+    };
+    let finding_seconds = finding.elapsed().as_secs_f64();
+    let Size { width, height } = size;
+    let region = region.unwrap_or(Region { x: 0, y: 0, width, height });
+    let target = Target { region, channel: args.channel, format, path: &picture.output };
+    let options = |draw: &dyn Draw| PictureOptions {
+        alpha: args.look.background.0.is_none() && args.channel == Channel::Color,
         background: args.look.solid_background(),
-        texts: metadata(args, &drawn_inputs, &drawn, &drawing.renderer),
+        dpi: args.size.dpi(args.dpi),
+        texts: metadata(args, size, &drawn_inputs, &drawn, &draw.renderer()),
     };
-    let content = match (&drawing.drawn, args.channel) {
-        (Pixels::Image(image), Channel::Color) => Content::Color(image),
-        (Pixels::Surface(surface), Channel::Depth) => Content::Depth(surface),
-        (Pixels::Surface(surface), Channel::Normal) => Content::Normal(surface),
-        (Pixels::Surface(surface), Channel::Id) => Content::Id(surface),
-        _ => return Err(Error::Unsupported("the renderer drew another channel than asked for".to_owned())),
-    };
-    atomic::write(&picture.output, |out| picture::write(content, format, &options, out))?;
+    let name = picture.output.to_string_lossy();
+    let progress = |done: f64| report.within_step(&format!("{name} {:.0} %", done * 100.0));
+    let written = strips::write(draw, &target, options, progress);
+    for notice in draw.notices() {
+        report.warn(&picture.output, &notice);
+    }
+    let written = written?;
     let timings = Timings {
         output: picture.output.to_string_lossy().into_owned(),
         read: seconds.read,
         bonds: seconds.bonds,
-        scene: drawing.scene_seconds,
-        render: drawing.render_seconds,
-        encode: encoding.elapsed().as_secs_f64(),
+        scene: scene_seconds,
+        render: finding_seconds + written.render,
+        encode: written.encode,
         total: started.elapsed().as_secs_f64(),
         peak_memory: peak_memory(),
         atom_count: drawn.iter().map(|drawn| drawn.structure.atom_count()).sum(),
         bond_count: drawn.iter().map(|drawn| drawn.structure.bonds().len()).sum(),
-        renderer: &drawing.renderer,
+        renderer: &draw.renderer(),
     };
     if args.timings {
         report.line(&serde_json::to_string(&timings).unwrap_or_default());
@@ -173,26 +198,35 @@ fn one_picture(
 }
 
 /// What is needed to make the picture again. No dates: the same command gives the same bytes.
-fn metadata(args: &RenderArgs, inputs: &[&PathBuf], drawn: &[Drawn], renderer: &str) -> Vec<(String, String)> {
+fn metadata(
+    args: &RenderArgs,
+    size: Size,
+    inputs: &[&PathBuf],
+    drawn: &[Drawn],
+    renderer: &str,
+) -> Vec<(String, String)> {
     let mut texts = vec![("Software".to_owned(), concat!("ballstick ", env!("CARGO_PKG_VERSION")).to_owned())];
     let title = drawn.first().map_or("", |drawn| drawn.structure.title());
     if !title.is_empty() {
         texts.push(("Title".to_owned(), super::report::printable(title)));
     }
     texts.push(("ballstick-renderer".to_owned(), renderer.to_owned()));
-    texts.push(("ballstick-settings".to_owned(), settings(args, inputs).to_string()));
+    texts.push(("ballstick-settings".to_owned(), settings(args, size, inputs).to_string()));
     texts
 }
 
 /// The settings by the names of their flags.
-fn settings(args: &RenderArgs, inputs: &[&PathBuf]) -> serde_json::Value {
+fn settings(args: &RenderArgs, size: Size, inputs: &[&PathBuf]) -> serde_json::Value {
     let RenderArgs { look, select, .. } = args;
     let text = |value: Option<&dyn std::fmt::Display>| value.map(ToString::to_string);
     let inputs: Vec<_> = inputs.iter().map(|input| input.to_string_lossy()).collect();
+    let labels: Vec<_> = look.text.label.iter().map(Named::name).collect();
     serde_json::json!({
         "files": inputs,
-        "size": args.size.to_string(),
+        "size": size.to_string(),
+        "dpi": args.size.dpi(args.dpi),
         "region": text(args.region.as_ref().map(|r| r as _)),
+        "crop": text(args.crop.as_ref().map(|c| c as _)),
         "quality": args.quality.name(),
         "samples": args.samples,
         "channel": args.channel.name(),
@@ -204,6 +238,10 @@ fn settings(args: &RenderArgs, inputs: &[&PathBuf]) -> serde_json::Value {
         "view": text(look.view.as_ref().map(|v| v as _)),
         "axis": text(look.axis.as_ref().map(|a| a as _)),
         "altloc": look.altloc.to_string(),
+        "label": labels.join(","),
+        "label-size": look.text.label_size,
+        "legend": look.text.legend,
+        "scale-bar": look.text.scale_bar,
         "bonds": args.bonds.bonds.name(),
         "hbonds": args.bonds.hbonds,
         "frame": select.frame,
@@ -226,33 +264,50 @@ mod tests {
     use clap::Parser;
     use std::path::Path;
 
-    /// Draws every picture as one pixel whose red is the number of atoms; refuses boron and panics at gold.
+    /// Draws every pixel with a red that is the number of atoms; refuses boron and panics at gold.
     #[derive(Default)]
     struct Fake {
+        red: u8,
         resets: usize,
     }
 
     impl Draw for Fake {
-        fn draw(&mut self, drawn: &[Drawn], _: bool, args: &RenderArgs) -> Result<Drawing> {
+        fn load(&mut self, drawn: &[Drawn], _: bool, _: &RenderArgs, _: Size) -> Result<()> {
             let elements: Vec<&str> =
                 drawn.iter().flat_map(|drawn| drawn.structure.elements()).map(|e| e.symbol()).collect();
             if elements.contains(&"B") {
                 return Err(Error::Gpu("device lost".to_owned()));
             }
             assert!(!elements.contains(&"Au"), "a bug");
-            let drawn = if args.channel == Channel::Color {
-                Pixels::Image(Image { width: 1, height: 1, rgba: vec![elements.len() as u8, 0, 0, 255] })
+            self.red = elements.len() as u8;
+            Ok(())
+        }
+
+        fn part(&mut self, Region { width, height, y, .. }: Region, channel: Channel) -> Result<Pixels> {
+            let pixels = (width * height) as usize;
+            Ok(if channel == Channel::Color {
+                if y > 0 && self.red == 2 {
+                    return Err(Error::Gpu("lost in the middle".to_owned()));
+                }
+                Pixels::Image(Image { width, height, rgba: [self.red, 0, 0, 255].repeat(pixels) })
             } else {
-                let (id, depth, normal) = (vec![1], vec![2.0], vec![[0.0, 0.0, 1.0]]);
-                Pixels::Surface(GBuffer { width: 1, height: 1, id, depth, normal })
-            };
-            Ok(Drawing {
-                drawn,
-                renderer: "fake".to_owned(),
-                notices: Vec::new(),
-                scene_seconds: 0.0,
-                render_seconds: 0.0,
+                // A depth that grows from strip to strip.
+                let (id, depth, normal) =
+                    (vec![1; pixels], vec![2.0 + y as f32; pixels], vec![[0.0, 0.0, 1.0]; pixels]);
+                Pixels::Surface(GBuffer { width, height, id, depth, normal })
             })
+        }
+
+        fn seen(&mut self) -> Result<Option<Region>> {
+            Ok((self.red == 1).then_some(Region { x: 10, y: 20, width: 30, height: 5 }))
+        }
+
+        fn renderer(&self) -> String {
+            "fake".to_owned()
+        }
+
+        fn notices(&mut self) -> Vec<String> {
+            Vec::new()
         }
 
         fn reset(&mut self) {
@@ -287,6 +342,7 @@ mod tests {
             ("one.xyz", "1\none\nC 0 0 0\n"),
             ("two.xyz", "2\ntwo\nC 0 0 0\nO 1.2 0 0\n"),
             ("bad.xyz", "no molecule at all\n"),
+            ("gold-free.xyz", "3\nthree\nC 0 0 0\nO 1.2 0 0\nO -1.2 0 0\n"),
             ("boron.xyz", "1\n\nB 0 0 0\n"),
             ("gold.xyz", "1\n\nAu 0 0 0\n"),
         ] {
@@ -299,6 +355,9 @@ mod tests {
         line.extend(files.iter().map(|name| path(name)));
         line.extend(["-o".into(), path(output)]);
         line.extend(flags.iter().map(Into::into));
+        if !flags.iter().any(|flag| flag.starts_with("--size") || flag.starts_with("--region")) {
+            line.push("--size=1x1".into());
+        }
         let Some(Command::Render(args)) = Cli::try_parse_from(line).unwrap().command else { panic!("not render") };
         let mut report = Report::default();
         let mut fake = Fake::default();
@@ -329,6 +388,41 @@ mod tests {
     }
 
     #[test]
+    fn a_large_picture_is_drawn_in_strips_and_one_that_fails_in_the_middle_leaves_nothing() {
+        let large = |file, name| run_in_folder(&[file], name, &["--size=8192x4096"]);
+        let ppm = large("one.xyz", "out/a.ppm").read("a.ppm");
+        let pixels = ppm.strip_prefix(b"P6\n8192 4096\n255\n").unwrap();
+        assert_eq!(pixels.len(), 8192 * 4096 * 3);
+        assert!(pixels.chunks_exact(3).all(|pixel| pixel == [1, 0, 0]));
+        let run = large("two.xyz", "out/a.ppm");
+        assert_eq!((run.failures, run.names().len()), (1, 0));
+    }
+
+    #[test]
+    fn depths_of_all_strips_have_one_scale() {
+        let run = run_in_folder(&["one.xyz"], "out/d.png", &["--channel=depth", "--size=4096x2048"]);
+        let file = run.read("d.png");
+        let mut reader = ::png::Decoder::new(std::io::Cursor::new(&file)).read_info().unwrap();
+        let texts = reader.info().uncompressed_latin1_text.clone();
+        let text = |key: &str| texts.iter().find(|text| text.keyword == key).map(|text| text.text.clone()).unwrap();
+        assert_eq!((text("near_angstrom").as_str(), text("far_angstrom").as_str()), ("2", "1026"));
+        let mut data = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut data).unwrap();
+        assert_eq!((&data[..2], &data[data.len() - 2..]), (&[255, 255][..], &[0, 1][..]));
+    }
+
+    #[test]
+    fn a_crop_is_what_is_seen_and_its_margin_and_an_empty_picture_stays_whole() {
+        let size = |file: &str, flags: &[&str]| {
+            let run = run_in_folder(&[file], "out/a.ppm", flags);
+            assert_eq!((run.usage.is_ok(), run.failures), (true, 0));
+            String::from_utf8_lossy(&run.read("a.ppm")[3..9]).into_owned()
+        };
+        assert_eq!(size("one.xyz", &["--size=99x50", "--crop=auto,3"]), "36 11\n");
+        assert_eq!(size("gold-free.xyz", &["--size=99x50", "--crop=auto"]), "99 50\n");
+    }
+
+    #[test]
     fn channels_go_into_png_and_npy_and_nothing_else() {
         assert!(run_in_folder(&["one.xyz"], "out/d.npy", &["--channel=depth"]).read("d.npy").ends_with(&[0, 0, 0, 64]));
         let run = run_in_folder(&["one.xyz"], "out/d.jpg", &["--channel=depth"]);
@@ -341,6 +435,7 @@ mod tests {
             ("out/a.tif", &[][..], ".tif"),
             ("out/a.png", &["--region=1900,0,100,100"], "not inside"),
             ("out/a.webp", &["--size=20000x10"], "16383"),
+            ("out/a.png", &["--size=20cmx1cm", "--dpi=9600"], "32768"),
         ] {
             let run = run_in_folder(&["none.xyz"], output, flags);
             assert!(run.usage.unwrap_err().contains(says));

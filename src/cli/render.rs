@@ -1,17 +1,19 @@
 //! From arguments to scene and renderer: the only module of the command line that knows them.
 
-use super::args::{LookArgs, Named, ProjectionArg, RenderArgs, RendererArgs};
+use super::args::{LabelArg, LookArgs, Named, ProjectionArg, RenderArgs, RendererArgs, TextArgs};
 use super::devices::{Adapter, Devices};
-use super::picture::{Draw, Drawing, Pixels};
-use super::values::{Altloc, Axis, Direction};
+use super::picture::{Draw, Pixels};
+use super::size::Size;
+use super::values::{Altloc, Axis, Direction, Region};
 use crate::cli::args::Channel;
 use crate::crystal::Drawn;
 use crate::error::{Error, Result};
-use crate::render::{Choice, Quality, Selection, Settings, View, select};
-use crate::scene::{AltlocChoice, Background, ColorBy, Item, Orientation, Scene, SceneOptions, Style};
+use crate::render::{Choice, Quality, Renderer, Selection, Settings, View, crop, select};
+use crate::scene::{
+    AltlocChoice, Background, ColorBy, Item, LabelContent, Orientation, OverlayOptions, Scene, SceneOptions, Style,
+};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
-use std::time::Instant;
 
 /// Ångström between structures that stand side by side: the gap between molecules that just touch, 2 × 1.7 Å of
 /// carbon (Bondi, J. Phys. Chem. 1964, 68, 441), rounded up.
@@ -21,17 +23,39 @@ const GAP: f32 = 4.0;
 pub(super) struct Drawer {
     choice: Choice,
     selection: Option<Selection>,
+    loaded: Option<Loaded>,
+    /// What is to be said of the loaded structures.
+    missing: Option<String>,
+}
+
+/// The picture that is being drawn.
+struct Loaded {
+    scene: Arc<Scene>,
+    view: View,
+    settings: Settings,
 }
 
 impl Drawer {
     pub(super) fn new(args: RendererArgs) -> Drawer {
-        Drawer { choice: Choice::from_name(&args.renderer.name()).unwrap_or_default(), selection: None }
+        let choice = Choice::from_name(&args.renderer.name()).unwrap_or_default();
+        Drawer { choice, selection: None, loaded: None, missing: None }
+    }
+
+    /// The renderer and what it has loaded, brought up to date if it was not.
+    fn ready(&mut self) -> Result<(&mut dyn Renderer, &Loaded)> {
+        let selection = match self.selection.take() {
+            Some(selection) => selection,
+            None => select(self.choice)?,
+        };
+        let renderer = self.selection.insert(selection).renderer.as_mut();
+        let loaded = self.loaded.as_ref().ok_or_else(|| Error::Unsupported("nothing was loaded".to_owned()))?;
+        renderer.load(Arc::clone(&loaded.scene))?;
+        Ok((renderer, loaded))
     }
 }
 
 impl Draw for Drawer {
-    fn draw(&mut self, drawn: &[Drawn], side_by_side: bool, args: &RenderArgs) -> Result<Drawing> {
-        let started = Instant::now();
+    fn load(&mut self, drawn: &[Drawn], side_by_side: bool, args: &RenderArgs, size: Size) -> Result<()> {
         let mut options = scene_options(&args.look, drawn)?;
         if side_by_side && options.orientation == Orientation::Auto {
             // The automatic turn would turn the sheet and with it the order of the records.
@@ -41,29 +65,42 @@ impl Draw for Drawer {
         let items: Vec<Item<'_>> = (drawn.iter().zip(offsets))
             .map(|(drawn, offset)| Item { offset, ..Item::drawn(drawn, args.crystal.has_box()) })
             .collect();
+        self.loaded = None; // the old one goes first
         let scene = Arc::new(Scene::new(&items, &options));
-        let scene_seconds = started.elapsed().as_secs_f64();
-        let started = Instant::now();
-        let selection = match self.selection.take() {
-            Some(selection) => selection,
-            None => select(self.choice)?,
-        };
-        let renderer = &mut self.selection.insert(selection).renderer;
-        let (width, height) = (args.size.width, args.size.height);
-        let mut view = View::new(scene.fitted_camera(width as f32 / height as f32), width, height);
-        view.region = args.region;
-        renderer.load(scene)?;
-        let drawn = match args.channel {
-            Channel::Color => Pixels::Image(renderer.image(&view, &settings(args))?),
+        let camera = scene.fitted_camera(size.width as f32 / size.height as f32);
+        let view = View::new(camera, size.width, size.height);
+        self.missing = missing_labels(&args.look.text, drawn);
+        self.loaded = Some(Loaded { scene, view, settings: settings(args) });
+        Ok(())
+    }
+
+    fn part(&mut self, region: Region, channel: Channel) -> Result<Pixels> {
+        let (renderer, loaded) = self.ready()?;
+        let view = View { region: Some(region), ..loaded.view };
+        Ok(match channel {
+            Channel::Color => Pixels::Image(renderer.image(&view, &loaded.settings)?),
             Channel::Depth | Channel::Normal | Channel::Id => Pixels::Surface(renderer.gbuffer(&view)?),
-        };
-        let render_seconds = started.elapsed().as_secs_f64();
-        let notices = renderer.take_notices();
-        Ok(Drawing { drawn, renderer: renderer.name(), notices, scene_seconds, render_seconds })
+        })
+    }
+
+    fn seen(&mut self) -> Result<Option<Region>> {
+        let (renderer, loaded) = self.ready()?;
+        crop::seen_region(renderer, &loaded.scene, &loaded.view, &loaded.settings)
+    }
+
+    fn renderer(&self) -> String {
+        self.selection.as_ref().map_or_else(String::new, |selection| selection.renderer.name())
+    }
+
+    fn notices(&mut self) -> Vec<String> {
+        let mut notices = self.selection.as_mut().map_or_else(Vec::new, |selection| selection.renderer.take_notices());
+        notices.extend(self.missing.take());
+        notices
     }
 
     fn reset(&mut self) {
         self.selection = None;
+        self.loaded = None;
     }
 }
 
@@ -93,7 +130,30 @@ pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOpt
         ground: look.has_ground(),
         background: look.background.0.map_or(Background::Transparent, Background::Color),
         haptic: look.haptic,
+        overlay: overlay_options(&look.text),
     })
+}
+
+fn overlay_options(text: &TextArgs) -> OverlayOptions {
+    let asked = |what| text.label.contains(&what);
+    OverlayOptions {
+        labels: LabelContent {
+            element: asked(LabelArg::Element),
+            index: asked(LabelArg::Index),
+            name: asked(LabelArg::Name),
+            residue: asked(LabelArg::Residue),
+        },
+        legend: text.legend,
+        scale_bar: text.scale_bar,
+        size: text.label_size as f32,
+    }
+}
+
+/// Labels that were asked for and cannot be.
+fn missing_labels(text: &TextArgs, drawn: &[Drawn]) -> Option<String> {
+    let has_none = drawn.iter().all(|drawn| drawn.structure.residues().is_empty());
+    (text.label.contains(&LabelArg::Residue) && has_none)
+        .then(|| "--label residue has no effect: the file gives no residues".to_owned())
 }
 
 /// What the window starts with; `--axis` is that of the first structure's cell.

@@ -86,6 +86,13 @@ impl Report {
         }
     }
 
+    /// How far one long step is.
+    pub(super) fn within_step(&self, message: &str) {
+        if let Some((bar, _)) = &self.bar {
+            bar.set_message(printable(message));
+        }
+    }
+
     /// Takes the bar away and gives the exit status: 0, or 1 if some input failed.
     pub(super) fn finish(mut self) -> u8 {
         self.clear();

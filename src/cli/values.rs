@@ -1,57 +1,9 @@
-//! Values of flags: sizes, regions, directions. Each parser says what it expected and what it found.
+//! Values of flags: regions, directions, lattice axes, records. Each parser says what it expected and what it found.
 
 use std::num::NonZeroU32;
 use std::str::FromStr;
 
 pub use crate::scene::Region;
-
-/// Most pixels one picture may have: 2³⁰, which are 4 GiB in memory.
-const MAX_PIXELS: u64 = 1 << 30;
-
-/// Longest side of the full picture: beyond it sample positions lose their sub-pixel digits in f32.
-const MAX_SIDE: u32 = 1 << 17;
-
-/// Width and height of the full picture in pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Size {
-    /// Width in pixels.
-    pub width: u32,
-    /// Height in pixels.
-    pub height: u32,
-}
-
-impl std::fmt::Display for Size {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}x{}", self.width, self.height)
-    }
-}
-
-impl FromStr for Size {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Size, String> {
-        let wrong = || format!("expected WIDTHxHEIGHT in pixels, such as 1920x1080, each from 1 to {MAX_SIDE}");
-        let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
-        let side = |text: &str| text.trim().parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
-        Ok(Size { width: side(width).ok_or_else(wrong)?, height: side(height).ok_or_else(wrong)? })
-    }
-}
-
-/// Checks that a region lies in the picture and that what is drawn is not too much.
-pub(super) fn check_size(size: Size, region: Option<Region>) -> Result<(), String> {
-    let (mut width, mut height) = (size.width, size.height);
-    if let Some(region) = region {
-        let inside = |start: u32, length: u32, side: u32| start.checked_add(length).is_some_and(|end| end <= side);
-        if !inside(region.x, region.width, width) || !inside(region.y, region.height, height) {
-            return Err(format!("--region {region} is not inside the picture of {size} pixels"));
-        }
-        (width, height) = (region.width, region.height);
-    }
-    if u64::from(width) * u64::from(height) > MAX_PIXELS {
-        return Err(format!("--size {size} is more than {MAX_PIXELS} pixels; draw it in parts with --region"));
-    }
-    Ok(())
-}
 
 /// A direction in the file's axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -180,6 +132,12 @@ pub(super) fn counted_from_1(text: &str) -> Result<NonZeroU32, String> {
     text.parse().map_err(|_| "expected a number; frames are counted from 1".to_owned())
 }
 
+/// The size of text.
+pub(super) fn text_size(text: &str) -> Result<f64, String> {
+    let size = text.parse().ok().filter(|size| (0.2..=5.0).contains(size));
+    size.ok_or_else(|| "expected a number from 0.2 to 5; 1 is the usual size".to_owned())
+}
+
 /// Which record of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordChoice {
@@ -272,12 +230,15 @@ impl std::fmt::Display for Backdrop {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::color::Srgb8;
 
     /// What is accepted reads back from how it is printed; the rest is refused.
-    fn check<T: FromStr + PartialEq + std::fmt::Debug + std::fmt::Display>(good: &[(&str, T)], bad: &[&str]) {
+    pub(in crate::cli) fn check<T: FromStr + PartialEq + std::fmt::Debug + std::fmt::Display>(
+        good: &[(&str, T)],
+        bad: &[&str],
+    ) {
         for (text, value) in good {
             assert_eq!(text.parse().ok().as_ref(), Some(value), "{text}");
             assert_eq!(value.to_string().parse().ok().as_ref(), Some(value), "{value}");
@@ -288,28 +249,12 @@ mod tests {
     }
 
     #[test]
-    fn sizes() {
-        let size = |width, height| Size { width, height };
-        check(
-            &[("1920x1080", size(1920, 1080)), ("1X1", size(1, 1)), ("3000×2000", size(3000, 2000))],
-            &["", "x", "1920", "0x5", "5x0", "-1x5", "5x5x5", "999999999x1", "1.5x2", "99999999999999999999x1"],
-        );
-    }
-
-    #[test]
-    fn regions_and_their_place_in_the_picture() {
+    fn regions() {
         let region = |x, y, width, height| Region { x, y, width, height };
         check(
             &[("0,0,640,360", region(0, 0, 640, 360)), ("5, 6,7,8", region(5, 6, 7, 8))],
             &["", "1,2,3", "1,2,0,4", "1,2,3,-4", "1,2,3,4,5", "a,b,c,d"],
         );
-        let size = Size { width: 100, height: 50 };
-        assert!(check_size(size, Some(region(90, 40, 10, 10))).is_ok());
-        assert!(check_size(size, Some(region(91, 40, 10, 10))).is_err());
-        assert!(check_size(size, Some(region(u32::MAX, 0, u32::MAX, 1))).is_err());
-        let huge = Size { width: MAX_SIDE, height: MAX_SIDE };
-        assert!(check_size(huge, None).unwrap_err().contains("--region"));
-        assert!(check_size(huge, Some(region(0, 0, 100, 100))).is_ok());
     }
 
     #[test]

@@ -100,6 +100,8 @@ pub struct Drawn {
     /// For every atom whether it is one of a lattice that coordination alone holds together, so that these bonds are
     /// drawn solid; empty if there are none.
     pub lattice: Vec<bool>,
+    /// For every atom which one of the file it is, from 0; empty if all are as listed.
+    pub listed: Vec<u32>,
     /// Whether the cell belongs in the picture: a network is drawn, or whole cells are asked for.
     pub is_cell_content: bool,
 }
@@ -109,7 +111,7 @@ impl Drawn {
     #[must_use]
     pub fn as_listed(structure: Structure) -> Drawn {
         let (cell, lattice) = (structure.cell().copied(), lattice::atoms(&structure));
-        Drawn { structure, stubs: Vec::new(), cell, lattice, is_cell_content: false }
+        Drawn { structure, stubs: Vec::new(), cell, lattice, listed: Vec::new(), is_cell_content: false }
     }
 }
 
@@ -135,7 +137,8 @@ pub fn draw(structure: Structure, options: &CrystalOptions) -> Result<Drawn> {
     let structure = bonds::assign(structure, &options.bonds);
     let is_cut = structure.bonds().iter().any(Bond::is_periodic);
     let Some(cell) = structure.lattice(0).copied() else {
-        return Ok(Drawn::as_listed(without_images(structure)));
+        let listed = original.unwrap_or_default();
+        return Ok(Drawn { listed, ..Drawn::as_listed(without_images(structure)) });
     };
     let is_as_listed = !is_cut && original.is_none() && choice != CellChoice::Full && !several;
     if is_as_listed {
@@ -167,6 +170,9 @@ pub fn draw(structure: Structure, options: &CrystalOptions) -> Result<Drawn> {
     plan.atoms.sort_unstable_by_key(|&(atom, shift)| (shift != IVec3::ZERO, shift.to_array(), atom));
     plan.atoms.dedup();
     let mut drawn = plan.build(&structure, &neighbours, &fractional);
+    if let Some(original) = original {
+        drawn.listed.iter_mut().for_each(|atom| *atom = original[*atom as usize]);
+    }
     drawn.is_cell_content = is_network || several || choice == CellChoice::Full;
     Ok(drawn)
 }
@@ -295,8 +301,9 @@ impl Plan {
         if !lattice.is_empty() {
             lattice = sources.iter().map(|&(atom, _)| lattice[atom as usize]).collect();
         }
+        let listed = sources.iter().map(|&(atom, _)| atom).collect();
         let structure = structure.gather(&sources, whole).with_bonds(bonds);
-        Drawn { structure, stubs, cell: whole, lattice, is_cell_content: false }
+        Drawn { structure, stubs, cell: whole, lattice, listed, is_cell_content: false }
     }
 }
 

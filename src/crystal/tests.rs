@@ -57,6 +57,7 @@ fn symmetry_completes_a_molecule_and_merges_special_positions() {
         crystal(8.0, &[("O", [0.0001, 0.0, 0.25]), ("H", [0.0945, 0.0, 0.3232])], &["-x,-y,z", "x,-y,-z", "-x,y,-z"]);
     let molecule = drawn(&half, CellChoice::Molecule, [1; 3]);
     assert_eq!(molecule.structure.elements(), [Element::O, Element::H, Element::H]);
+    assert_eq!(molecule.listed, [0, 1, 1], "a copy knows which atom of the file it is");
     assert_eq!(molecule.structure.bonds().len(), 2);
     let full = drawn(&half, CellChoice::Full, [1; 3]);
     assert_eq!((full.structure.atom_count(), full.structure.bonds().len()), (6, 4));

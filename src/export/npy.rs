@@ -1,19 +1,23 @@
 //! NumPy's array format, version 1.0 (`numpy.lib.format`): magic, version, length of the header, a Python
-//! dictionary padded with blanks to a multiple of 64 bytes, then the values in C order, little-endian.
+//! dictionary padded with blanks to a multiple of 64 bytes, then the values in C order, little-endian. Shapes and types are
+//! listed in [`super::picture`].
 
-use super::picture::Content;
+use super::picture::{Content, Layer};
 use std::io::{self, Write};
 
-/// Writes the array behind `content`; shapes and types are listed in [`super::picture`].
-pub(super) fn write(content: Content<'_>, out: &mut dyn Write) -> io::Result<()> {
-    let (width, height) = content.size();
-    let (kind, last) = match content {
-        Content::Color(_) => ("|u1", ", 4"),
-        Content::Depth(_) => ("<f4", ""),
-        Content::Normal(_) => ("<f4", ", 3"),
-        Content::Id(_) => ("<u4", ""),
+/// Writes what comes before the values of an array of so many rows and columns.
+pub(super) fn begin((width, height): (u32, u32), layer: Layer, out: &mut dyn Write) -> io::Result<()> {
+    let (kind, last) = match layer {
+        Layer::Color => ("|u1", ", 4"),
+        Layer::Depth { .. } => ("<f4", ""),
+        Layer::Normal => ("<f4", ", 3"),
+        Layer::Id => ("<u4", ""),
     };
-    write_header(kind, &format!("({height}, {width}{last})"), out)?;
+    write_header(kind, &format!("({height}, {width}{last})"), out)
+}
+
+/// Writes the values of the next rows.
+pub(super) fn strip(content: Content<'_>, out: &mut dyn Write) -> io::Result<()> {
     match content {
         Content::Color(image) => out.write_all(&image.rgba),
         Content::Depth(buffer) => write_words(buffer.depth.iter().map(|x| x.to_le_bytes()), out),
@@ -51,7 +55,8 @@ mod tests {
 
     fn array(content: Content<'_>) -> (String, Vec<u8>) {
         let mut bytes = Vec::new();
-        write(content, &mut bytes).unwrap();
+        begin(content.size(), content.layer(), &mut bytes).unwrap();
+        strip(content, &mut bytes).unwrap();
         assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
         let length = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
         assert_eq!((10 + length) % 64, 0);

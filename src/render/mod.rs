@@ -1,10 +1,11 @@
 //! One picture, two renderers.
 //!
 //! [`frame`] and [`settings`] define the picture, [`cpu`] and `gpu` compute it, each on its own; [`mod@select`] is
-//! the only place that knows both. [`cpu::reference`] is the truth the others are measured against.
+//! the only place that knows both. What is written over the picture, [`mod@overlay`] draws for either. [`cpu::reference`] is the truth the others are measured against.
 
 pub mod bounds;
 pub mod cpu;
+pub mod crop;
 pub mod distance;
 pub mod field;
 pub mod frame;
@@ -13,6 +14,7 @@ pub mod gpu;
 pub mod hierarchy;
 pub mod image;
 pub mod opacity;
+pub mod overlay;
 pub mod select;
 pub mod settings;
 pub mod sky;
@@ -42,7 +44,7 @@ pub trait Renderer {
     /// If the device cannot hold it.
     fn load(&mut self, scene: Arc<Scene>) -> Result<()>;
 
-    /// Draws the finished picture of the loaded scene; an empty background if none was loaded.
+    /// Draws the finished picture of the loaded scene, text included; an empty background if none was loaded.
     ///
     /// # Errors
     /// If the device is lost or refuses.

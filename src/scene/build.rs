@@ -2,11 +2,13 @@
 
 use super::coloring::ColorBy;
 use super::light::{Background, Ground};
+use super::overlay::{self, OverlayOptions};
 use super::{Block, Placement, Scene, Style, block, cell_box, fit};
 use crate::crystal::{Drawn, Stub};
 use crate::math::{Aabb, direction_or};
 use crate::structure::{Cell, Structure};
 use glam::{Affine3A, DVec3, Mat3, Quat, Vec3};
+use std::sync::Arc;
 
 /// A structure and where it stands.
 #[derive(Debug, Clone, Copy)]
@@ -19,6 +21,8 @@ pub struct Item<'a> {
     pub stubs: &'a [Stub],
     /// Atoms of a lattice, whose coordination is drawn solid; empty if there are none.
     pub lattice: &'a [bool],
+    /// For every atom which one of its file it is, from 0; empty if all are as listed.
+    pub listed: &'a [u32],
     /// The cell to be drawn around it, a corner at the file's origin.
     pub cell_box: Option<&'a Cell>,
 }
@@ -27,7 +31,7 @@ impl<'a> Item<'a> {
     /// A structure where its file puts it.
     #[must_use]
     pub fn of(structure: &'a Structure) -> Item<'a> {
-        Item { structure, offset: Vec3::ZERO, stubs: &[], lattice: &[], cell_box: None }
+        Item { structure, offset: Vec3::ZERO, stubs: &[], lattice: &[], listed: &[], cell_box: None }
     }
 
     /// What is drawn of a crystal; with its box if that is asked for, or, nothing being said, if cells are shown.
@@ -39,6 +43,7 @@ impl<'a> Item<'a> {
             offset: Vec3::ZERO,
             stubs: &drawn.stubs,
             lattice: &drawn.lattice,
+            listed: &drawn.listed,
             cell_box: cell,
         }
     }
@@ -92,6 +97,8 @@ pub struct SceneOptions {
     /// Whether a metal has one stick to the middle of a ring or double bond that it holds, in place of one to each
     /// atom. Default: false.
     pub haptic: bool,
+    /// What is written over the picture. Default: nothing.
+    pub overlay: OverlayOptions,
 }
 
 impl Default for SceneOptions {
@@ -105,6 +112,7 @@ impl Default for SceneOptions {
             ground: true,
             background: Background::default(),
             haptic: false,
+            overlay: OverlayOptions::default(),
         }
     }
 }
@@ -123,10 +131,12 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
         });
         next_id = next_id.saturating_add(block.id_count);
         blocks.push(block);
+        blocks.len() - 1
     };
+    let mut places = Vec::with_capacity(items.len());
     for item in items {
         let shift = item.structure.positions().origin() - center + item.offset.as_dvec3();
-        place(block::build(item, options), shift);
+        places.push((item, place(block::build(item, options), shift)));
         if let Some(cell) = item.cell_box {
             let corner = -item.structure.positions().origin().as_vec3();
             place(cell_box::block(cell, corner), shift);
@@ -159,6 +169,7 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
     scene.perspective = options.perspective;
     scene.background = options.background;
     scene.set_ground(options.ground);
+    scene.overlay = Arc::new(overlay::build(&scene, &places, &options.overlay, options.color_by));
     scene
 }
 

@@ -13,6 +13,7 @@ pub mod fit;
 mod haptic;
 mod instances;
 mod light;
+mod overlay;
 mod shapes;
 mod sticks;
 mod style;
@@ -22,6 +23,7 @@ pub use camera::{Camera, PixelGrid, Projection, Ray, Region};
 pub use coloring::ColorBy;
 pub use instances::{Cap, CylinderInstance, SphereInstance};
 pub use light::{Background, Ground, Lighting};
+pub use overlay::{Label, LabelContent, LegendRow, Overlay, OverlayOptions};
 pub use shapes::{ConeInstance, TorusInstance, TriangleInstance};
 pub use style::Style;
 
@@ -70,6 +72,8 @@ pub struct Scene {
     pub background: Background,
     /// The ground, if there is one.
     pub ground: Option<Ground>,
+    /// What is written over the picture.
+    pub overlay: Arc<Overlay>,
     /// How the default camera is turned.
     pub world_from_view: Quat,
     /// Whether the default camera is a perspective one.
@@ -104,6 +108,7 @@ impl Scene {
             lighting: Lighting::default(),
             background: Background::default(),
             ground: None,
+            overlay: Arc::default(),
             world_from_view: Quat::IDENTITY,
             perspective: true,
             bounds: Aabb::EMPTY,

@@ -7,8 +7,8 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
-const WATER: &str = "3\nwater\nO 0.000 0.000 0.117\nH 0.000 0.757 -0.470\nH 0.000 -0.757 -0.470\n";
-const METHANE: &str =
+pub(crate) const WATER: &str = "3\nwater\nO 0.000 0.000 0.117\nH 0.000 0.757 -0.470\nH 0.000 -0.757 -0.470\n";
+pub(crate) const METHANE: &str =
     "5\nmethane\nC 0 0 0\nH 0.63 0.63 0.63\nH -0.63 -0.63 0.63\nH -0.63 0.63 -0.63\nH 0.63 -0.63 -0.63\n";
 const TWO_FRAMES: &str = "1\nfirst\nAr 0 0 0\n1\nsecond\nAr 1 2 3\n";
 const SALT: &str = "2\nLattice=\"4 0 0 0 4 0 0 0 4\" Properties=species:S:1:pos:R:3\nNa 0 0 0\nCl 2 0 0\n";
@@ -20,12 +20,12 @@ ATOM      4  O   GLY A   1       0.545  -0.975   1.499  1.00 10.00           O  
 HETATM    5  O   HOH B 101      10.000  10.000  10.000  1.00 10.00           O  \n\
 END\n";
 
-struct Case {
+pub(crate) struct Case {
     folder: TempDir,
 }
 
 impl Case {
-    fn new(files: &[(&str, &str)]) -> Case {
+    pub(crate) fn new(files: &[(&str, &str)]) -> Case {
         let folder = tempfile::tempdir().unwrap();
         for (name, text) in files {
             fs::write(folder.path().join(name), text).unwrap();
@@ -33,7 +33,7 @@ impl Case {
         Case { folder }
     }
 
-    fn run(&self, arguments: &[&str]) -> Run {
+    pub(crate) fn run(&self, arguments: &[&str]) -> Run {
         self.run_with_input(arguments, "")
     }
 
@@ -50,7 +50,7 @@ impl Case {
         Run(child.wait_with_output().unwrap())
     }
 
-    fn path(&self, name: &str) -> std::path::PathBuf {
+    pub(crate) fn path(&self, name: &str) -> std::path::PathBuf {
         self.folder.path().join(name)
     }
 
@@ -59,7 +59,7 @@ impl Case {
     }
 
     /// Names in the folder, hidden ones as well.
-    fn names(&self, folder: &str) -> Vec<String> {
+    pub(crate) fn names(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.path(folder)).unwrap();
         let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
@@ -67,11 +67,11 @@ impl Case {
     }
 }
 
-struct Run(Output);
+pub(crate) struct Run(Output);
 
 impl Run {
     #[track_caller]
-    fn status(self, expected: i32) -> Run {
+    pub(crate) fn status(self, expected: i32) -> Run {
         assert_eq!(self.0.status.code(), Some(expected), "\n{}\n{}", self.out(), self.err());
         self
     }
@@ -80,7 +80,7 @@ impl Run {
         String::from_utf8_lossy(&self.0.stdout).into_owned()
     }
 
-    fn err(&self) -> String {
+    pub(crate) fn err(&self) -> String {
         String::from_utf8_lossy(&self.0.stderr).into_owned()
     }
 
@@ -301,7 +301,7 @@ fn wrong_command_lines_end_with_2_and_write_nothing() {
         &["render", "water.xyz", "-o", "a.tiff"],
         &["render", "water.xyz", "-o", "a"],
         &["render", "water.xyz", "-o", "a.png", "--size", "big"],
-        &["render", "water.xyz", "-o", "a.png", "--ao", "64"],
+        &["render", "water.xyz", "-o", "a.png", "--ao", "257"],
         &["render", "water.xyz", "-o", "a.png", "--region", "0,0,9999,1"],
         &["render", "water.xyz", "-o", "a.jpg", "--channel", "depth"],
         &["render", "water.xyz", "-o", "a.png", "--frame", "0"],
@@ -336,7 +336,7 @@ fn help_and_version_are_results() {
         assert!(run.out().contains("ballstick") && run.err().is_empty(), "{arguments:?}");
     }
     let help = case.run(&["render", "--help"]).out();
-    assert!(help.contains("near_angstrom") && help.contains("{stem}") && !help.contains("--ao"), "{help}");
+    assert!(help.contains("near_angstrom") && help.contains("{stem}"), "{help}");
 }
 
 #[test]
@@ -421,6 +421,24 @@ fn a_region_is_that_part_of_the_full_picture() {
         assert_eq!(part[y * 90..(y + 1) * 90], full[start..start + 90], "row {y}");
     }
     assert!(full.iter().any(|&value| value != full[0]), "nothing is drawn");
+}
+
+#[test]
+fn text_is_written_and_what_cannot_be_labelled_is_said() {
+    let case = Case::new(&[("water.xyz", WATER), ("peptide.pdb", PEPTIDE)]);
+    let flags = ["--size", "96x64", "--samples", "1", "--ao", "0"];
+    let picture = |file: &str, more: &[&str]| {
+        let arguments = [&["render", file, "-o", "out.ppm", "--renderer", "cpu"], &flags[..], more].concat();
+        (case.run(&arguments).status(0).err(), fs::read(case.path("out.ppm")).unwrap())
+    };
+    let plain = picture("water.xyz", &[]);
+    assert_eq!(plain, picture("water.xyz", &["--label", "none"]));
+    for more in [&["--label", "element,index"][..], &["--label=name"], &["--legend"], &["--scale-bar"]] {
+        let (said, bytes) = picture("water.xyz", more);
+        assert!(said.is_empty() && bytes != plain.1, "{more:?}: {said}");
+    }
+    assert!(picture("water.xyz", &["--label", "residue"]).0.contains("the file gives no residues"));
+    assert_eq!(picture("peptide.pdb", &["--label", "residue"]).0, "");
 }
 
 #[test]

@@ -1,10 +1,12 @@
 //! Which primitives may be seen in which tile: exact bounds, and in each tile front to back.
 
-use crate::render::bounds::{BoundsCamera, PlaneRect, cylinder_rect, sphere_rect};
+use crate::render::bounds::{
+    BoundsCamera, PlaneRect, TORUS_PIECES, cone_rect, cylinder_rect, sphere_rect, torus_rect, triangle_rect,
+};
 use crate::render::settings::View;
 use crate::render::solids::{Primitive, Solids};
 use crate::scene::Region;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 /// A primitive that reaches into the picture.
@@ -68,32 +70,52 @@ impl Bins {
             let center = Vec2::from(grid.center_px) + Vec2::new(rect.center.x, -rect.center.y) * px;
             PlaneRect { center, half: rect.half * px, along: Vec2::new(rect.along.x, -rect.along.y) }
         };
-        let candidates: Vec<Candidate> = (0..solids.len())
-            .into_par_iter()
-            .with_min_len(4096)
-            .filter_map(|i| {
-                let (rect, nearest) = match solids.primitive(i) {
-                    Primitive::Sphere(i) => {
-                        let sphere = &solids.spheres[i];
-                        (sphere_rect(sphere.center, sphere.radius, &camera)?, -sphere.center.z - sphere.radius)
-                    }
-                    Primitive::Cylinder(i) => {
-                        let cylinder = &solids.cylinders[i];
-                        let [a, b] = cylinder.ends();
-                        let nearest = (-a.z).min(-b.z) - cylinder.radius;
-                        (cylinder_rect(a, b, cylinder.radius, cylinder.round(), &camera)?, nearest)
-                    }
-                    _ => return None,
-                };
-                // Rounding of a depth of this size.
-                let nearest = nearest - 1e-5 * nearest.abs();
-                let rect = to_pixels(rect);
-                let (low, high) = rect.upright();
-                // A sample is somewhere in its pixel, hence floor and ceil.
-                let pixels = clip([low.x, low.y, high.x, high.y], region)?;
-                Some(Candidate { index: u32::try_from(i).ok()?, nearest, pixels, rect })
-            })
-            .collect();
+        let candidate = |i: usize, nearest: f32, rect: PlaneRect| {
+            // Rounding of a depth of this size.
+            let nearest = nearest - 1e-5 * nearest.abs();
+            let rect = to_pixels(rect);
+            let (low, high) = rect.upright();
+            // A sample is somewhere in its pixel, hence floor and ceil.
+            let pixels = clip([low.x, low.y, high.x, high.y], region)?;
+            Some(Candidate { index: u32::try_from(i).ok()?, nearest, pixels, rect })
+        };
+        let nearest_point = |points: &[(Vec3, f32)]| {
+            points.iter().fold(f32::INFINITY, |least, (center, radius)| least.min(-center.z - radius))
+        };
+        let of = |i: usize| match solids.primitive(i) {
+            Primitive::Sphere(s) => {
+                let sphere = &solids.spheres[s];
+                let rect = sphere_rect(sphere.center, sphere.radius, &camera)?;
+                candidate(i, -sphere.center.z - sphere.radius, rect)
+            }
+            Primitive::Cylinder(c) => {
+                let cylinder = &solids.cylinders[c];
+                let [a, b] = cylinder.ends();
+                let nearest = (-a.z).min(-b.z) - cylinder.radius;
+                candidate(i, nearest, cylinder_rect(a, b, cylinder.radius, cylinder.round(), &camera)?)
+            }
+            Primitive::Cone(c) => {
+                let cone = &solids.cones[c];
+                let ([a, b], [radius_a, radius_b]) = (cone.ends(), cone.radii);
+                let nearest = nearest_point(&[(a, radius_a), (b, radius_b)]);
+                candidate(i, nearest, upright(cone_rect(cone, &camera)?.upright()))
+            }
+            Primitive::Torus(_) => None, // in pieces, below
+            Primitive::Triangle(t) => {
+                let triangle = &solids.triangles[t];
+                let nearest = nearest_point(&triangle.points().map(|p| (p, 0.0)));
+                candidate(i, nearest, upright(triangle_rect(triangle, &camera)?.upright()))
+            }
+        };
+        let mut candidates: Vec<Candidate> =
+            (0..solids.len()).into_par_iter().with_min_len(4096).filter_map(of).collect();
+        let first_torus = solids.spheres.len() + solids.cylinders.len() + solids.cones.len();
+        // A tile may get a torus twice, by two pieces: it is drawn in both, which changes nothing.
+        candidates.extend(solids.tori.iter().enumerate().flat_map(|(t, torus)| {
+            let nearest = -torus.bounds().max.z;
+            let pieces = (0..TORUS_PIECES).filter_map(|piece| torus_rect(torus, piece, &camera));
+            pieces.filter_map(|rect| candidate(first_torus + t, nearest, rect)).collect::<Vec<_>>()
+        }));
         let mut bins = Bins { tile, tiles, candidates, first: Vec::new(), list: Vec::new() };
         bins.fill();
         bins
@@ -141,6 +163,11 @@ impl Bins {
         sorted.extend(self.list[range].iter().map(|&i| self.candidates[i as usize]));
         sorted.sort_unstable_by(|a, b| a.nearest.total_cmp(&b.nearest).then(a.index.cmp(&b.index)));
     }
+}
+
+/// The rectangle between two corners.
+fn upright((low, high): (Vec2, Vec2)) -> PlaneRect {
+    PlaneRect { center: (low + high) * 0.5, half: (high - low) * 0.5, along: Vec2::X }
 }
 
 /// Pixel bounds of the full picture as pixels of the region; `None` if they do not meet. NaN meets everything.

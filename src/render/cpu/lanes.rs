@@ -22,6 +22,8 @@ pub(super) struct Pass {
     pub(super) y: Lanes,
     /// Its number in the sequence of the pixel's samples.
     pub(super) sample: [u32; LANES],
+    /// Samples of a pixel in all passes.
+    pub(super) samples: u32,
     /// Of 4 × 4 neighbouring pixels: where in a tile's blocks (rows of [`super::tile::SIDE`], counted from that of the first
     /// pixel) the first sample of each stands, in samples.
     pub(super) group: [usize; LANES],
@@ -46,7 +48,7 @@ impl Pass {
             let block = (y / side) as usize * SIDE + (x / side) as usize;
             block * LANES + ((y % side * side + x % side) * per_pixel) as usize
         });
-        let mut pass = Pass { side, x: [0.0; LANES], y: [0.0; LANES], sample: [0; LANES], group };
+        let mut pass = Pass { side, x: [0.0; LANES], y: [0.0; LANES], sample: [0; LANES], samples, group };
         for lane in 0..LANES as u32 {
             let (pixel, sample) = (lane / per_pixel, first + lane % per_pixel);
             let [dx, dy] = sample_offset(sample, samples);

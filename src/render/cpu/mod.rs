@@ -18,7 +18,7 @@ pub mod tiles;
 
 use super::field::{Field, GroundMap};
 use super::frame::FrameConstants;
-use super::{GBuffer, Image, Renderer, Settings, View};
+use super::{GBuffer, Image, Renderer, Settings, View, overlay};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use reach::Lights;
@@ -70,8 +70,17 @@ impl CpuRenderer {
             self.lights.update(&scene, &frame, settings);
         }
         let lights = if asks { &self.lights } else { &none };
-        let image = tiles::image(&scene, view, settings, (&ground_map, lights), stop);
-        (!stop.load(Ordering::Relaxed)).then_some(image)
+        let mut image = tiles::image(&scene, view, settings, (&ground_map, lights), stop);
+        if stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        // In motion, at one sample, the picture's own pixels are fine enough to find out what labels can be seen.
+        let own_side = view.width.max(view.height).min(overlay::PROBE_SIDE);
+        let probe_side = if settings.samples > 1 { overlay::PROBE_SIDE } else { own_side };
+        let has_labels = !scene.overlay.labels.is_empty();
+        let probe = has_labels.then(|| tiles::gbuffer(&scene, &overlay::probe_view(view, probe_side)));
+        overlay::write(&mut image, &scene, view, probe.as_ref());
+        Some(image)
     }
 }
 

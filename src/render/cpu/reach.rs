@@ -9,6 +9,7 @@ use crate::render::solids::{Cylinder, Primitive, Solids};
 use crate::render::tubes::{Bound, Bounds, Tubes, tubes};
 use crate::scene::{Ray, Scene};
 use glam::{Affine3A, Vec3};
+use std::borrow::Cow;
 
 /// The tubes of a scene under one light.
 #[derive(Debug, Default)]
@@ -36,7 +37,7 @@ impl Lights {
         if sky == self.sky_of && key == self.key_of {
             return;
         }
-        let bounds = Bounds::new(&Solids::new(scene, Affine3A::IDENTITY));
+        let bounds = Bounds::new(&Solids::casting(scene, Affine3A::IDENTITY));
         if sky != self.sky_of {
             self.sky = Default::default(); // the old ones go first
             let turns = Turns::of_sky(sky[0], sky[1]);
@@ -52,17 +53,22 @@ impl Lights {
     }
 
     /// What the samples of a view ask.
-    pub(super) fn questions(&self, view: &View, solids: &Solids) -> Questions<'_> {
+    pub(super) fn questions<'a>(&'a self, scene: &Scene, view: &View, solids: &'a Solids) -> Questions<'a> {
         let view_from_world = view.camera.view_from_world();
         let turned = |(turns, tubes): &'_ (Turns, Vec<Tubes>)| {
             let axis = |v: Vec3| view_from_world.transform_vector3(v);
             let directions = tubes.iter().map(|t| [axis(t.right), axis(t.up), axis(t.toward)]).collect();
             (if tubes.is_empty() || solids.is_empty() { Turns::default() } else { turns.clone() }, directions)
         };
+        let casting = match solids.see_through {
+            true => Cow::Owned(Solids::casting(scene, view_from_world)),
+            false => Cow::Borrowed(solids),
+        };
         let ((sky_turns, sky_axes), (key_turns, key_axes)) = (turned(&self.sky), turned(&self.key));
         Questions {
             sky: Light { turns: sky_turns, tubes: &self.sky.1, axes: sky_axes },
             key: Light { turns: key_turns, tubes: &self.key.1, axes: key_axes },
+            solids: casting,
             center_in_view: view_from_world.transform_point3(self.center),
         }
     }
@@ -79,10 +85,12 @@ struct Light<'a> {
 pub(super) struct Questions<'a> {
     sky: Light<'a>,
     key: Light<'a>,
+    /// What may hide the light, view space: the primitives of the tubes.
+    solids: Cow<'a, Solids>,
     center_in_view: Vec3,
 }
 
-/// Points that are asked together, view space.
+/// Points that ask, view space.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Points {
     /// Where rays start.
@@ -93,102 +101,171 @@ pub(super) struct Points {
     pub(super) own: [u32; LANES],
     /// 1 for points that ask, 0 for others.
     pub(super) asks: Lanes,
+    /// What they were told: parts of the sky and of the key light.
+    pub(super) told: [Lanes; 2],
 }
 
-impl Questions<'_> {
-    /// Open sky and key light of each point, asked by this sample of their pixels; `unasked` where nothing is asked, or all of
-    /// it is behind the surface.
-    #[inline(always)]
-    pub(super) fn ask(&self, solids: &Solids, points: &Points, sample: u32, unasked: Reach) -> [Lanes; 2] {
-        [
-            self.part::<true>(&self.sky, solids, points, sample, unasked.open),
-            self.part::<false>(&self.key, solids, points, sample, unasked.key),
-        ]
-    }
+/// In place of [`Points::own`]: everything may hide the light.
+pub(super) const NOBODY: u32 = u32::MAX;
 
+/// Room for asking, used again and again.
+#[derive(Debug, Default)]
+pub(super) struct Asking {
+    /// Weights of the directions that were free, and of all.
+    seen: Vec<Lanes>,
+    all: Vec<Lanes>,
+    entries: Vec<Entry>,
+    /// The first entry of each bucket of tubes, and those that have one.
+    first: Vec<u32>,
+    used: Vec<u32>,
+}
+
+/// A point that asks a direction.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    tube: u32,
+    /// Which point: block and lane.
+    point: u32,
+    height: f32,
+    weight: f32,
+    /// The next of its bucket, or [`NONE`].
+    next: u32,
+}
+
+const NONE: u32 = u32::MAX;
+/// Buckets on a side: tubes this far apart share one.
+const BUCKETS: u32 = 16;
+
+impl Questions<'_> {
+    /// Tells points how much of the sky and of the key light they see, as far as this sample of their pixels asks; `unasked`
+    /// where nothing is asked, or all of it is behind the surface.
     #[inline(always)]
-    fn part<const WEIGHTED: bool>(
-        &self,
-        light: &Light<'_>,
-        solids: &Solids,
-        points: &Points,
-        sample: u32,
-        unasked: f32,
-    ) -> Lanes {
-        let (mut seen, mut all) = ([0.0f32; LANES], [0.0f32; LANES]);
-        let start = light.turns.start(sample) as usize;
-        for direction in start..start + light.turns.each as usize {
-            let axes = &light.axes[direction];
-            let d = axes[2];
-            let (mut weight, mut any) = ([0.0f32; LANES], 0u32);
-            for lane in 0..LANES {
-                let cosine = points.normal[0][lane] * d.x + points.normal[1][lane] * d.y + points.normal[2][lane] * d.z;
-                let facing = if cosine > 0.0 { cosine } else { 0.0 };
-                all[lane] += if WEIGHTED { facing } else { 1.0 };
-                weight[lane] = facing * points.asks[lane];
-                any |= u32::from(weight[lane] > 0.0);
+    pub(super) fn ask(&self, asking: &mut Asking, blocks: &mut [Points], sample: u32, unasked: Reach) {
+        for (kind, light, unasked) in [(0, &self.sky, unasked.open), (1, &self.key, unasked.key)] {
+            asking.seen.clear();
+            asking.seen.resize(blocks.len(), [0.0; LANES]);
+            asking.all.clear();
+            asking.all.resize(blocks.len(), [0.0; LANES]);
+            let start = light.turns.start(sample) as usize;
+            for direction in start..start + light.turns.each as usize {
+                let (tubes, axes) = (&light.tubes[direction], &light.axes[direction]);
+                asking.entries.clear();
+                for (points, number) in blocks.iter().zip(0..) {
+                    self.enter(tubes, axes, kind == 0, points, number, asking);
+                }
+                self.answer(tubes, axes[2], asking, blocks);
             }
-            if any != 0 {
-                let free = self.free(&light.tubes[direction], axes, solids, points, &weight);
+            for ((block, seen), all) in blocks.iter_mut().zip(&asking.seen).zip(&asking.all) {
+                let told = &mut block.told[kind];
                 for lane in 0..LANES {
-                    let full = if WEIGHTED { weight[lane] } else { 1.0 };
-                    seen[lane] += if free[lane] != 0 { full } else { 0.0 };
+                    told[lane] = if all[lane] > 0.0 { seen[lane] / all[lane] } else { unasked };
                 }
             }
         }
-        let mut part = [unasked; LANES];
-        for lane in 0..LANES {
-            part[lane] = if all[lane] > 0.0 { seen[lane] / all[lane] } else { unasked };
-        }
-        part
     }
 
-    /// Of the points with a weight, which see the light: all bits set, or none.
+    /// Finds the tubes of the points of a block that face a direction.
     #[inline(always)]
-    fn free(&self, tubes: &Tubes, axes: &[Vec3; 3], solids: &Solids, points: &Points, weight: &Lanes) -> Mask {
-        let (mut height, mut tube) = ([0.0f32; LANES], [0i32; LANES]);
+    fn enter(
+        &self,
+        tubes: &Tubes,
+        [right, up, d]: &[Vec3; 3],
+        is_weighted: bool,
+        points: &Points,
+        block: u32,
+        asking: &mut Asking,
+    ) {
         let center = self.center_in_view;
         let most = [(tubes.size[0] - 1) as f32, (tubes.size[1] - 1) as f32];
-        let mut free = [0u32; LANES];
+        let (mut weight, mut height, mut tube) = ([0.0f32; LANES], [0.0f32; LANES], [0u32; LANES]);
+        let all = &mut asking.all[block as usize];
         for lane in 0..LANES {
+            let n = [points.normal[0][lane], points.normal[1][lane], points.normal[2][lane]];
+            let facing = max(n[0] * d.x + n[1] * d.y + n[2] * d.z, 0.0);
+            all[lane] += if is_weighted { facing } else { 1.0 };
+            weight[lane] = facing * points.asks[lane];
             let x = points.position[0][lane] - center.x;
             let y = points.position[1][lane] - center.y;
             let z = points.position[2][lane] - center.z;
-            let along = |v: Vec3| x * v.x + y * v.y + z * v.z;
-            height[lane] = along(axes[2]);
-            let column = (along(axes[0]) - tubes.corner[0]) * tubes.per_angstrom;
-            let row = (along(axes[1]) - tubes.corner[1]) * tubes.per_angstrom;
-            let column = min(max(column.floor(), 0.0), most[0]);
-            let row = min(max(row.floor(), 0.0), most[1]);
-            tube[lane] = (whole(row) * tubes.size[0] + whole(column)) as i32;
-            free[lane] = if weight[lane] > 0.0 { u32::MAX } else { 0 };
+            let along = |v: &Vec3| x * v.x + y * v.y + z * v.z;
+            height[lane] = along(d);
+            let column = (along(right) - tubes.corner[0]) * tubes.per_angstrom;
+            let row = (along(up) - tubes.corner[1]) * tubes.per_angstrom;
+            tube[lane] =
+                whole(min(max(row.floor(), 0.0), most[1])) << 16 | whole(min(max(column.floor(), 0.0), most[0]));
         }
-        // Neighbours on the picture are mostly in one tube; where not, one tube after the other.
-        let mut waiting = free;
         for lane in 0..LANES {
-            if waiting[lane] == 0 {
-                continue;
-            }
-            let this = tube[lane];
-            let (mut here, mut low) = ([0u32; LANES], [f32::INFINITY; 4]);
-            for other in 0..LANES {
-                let same = if tube[other] == this { waiting[other] } else { 0 };
-                here[other] = same;
-                waiting[other] &= !same;
-            }
-            for other in 0..LANES {
-                let height = if here[other] != 0 { height[other] } else { f32::INFINITY };
-                low[other % 4] = min(height, low[other % 4]);
-            }
-            let low = min(min(low[0], low[1]), min(low[2], low[3]));
-            let asking = here;
-            walk(tubes.of(this as usize), axes[2], low + center.dot(axes[2]), solids, points, &mut here);
-            for other in 0..LANES {
-                free[other] &= here[other] | !asking[other];
+            if weight[lane] > 0.0 {
+                let weight = if is_weighted { weight[lane] } else { 1.0 };
+                let point = block * LANES as u32 + lane as u32;
+                asking.entries.push(Entry { tube: tube[lane], point, height: height[lane], weight, next: NONE });
             }
         }
-        free
     }
+
+    /// Walks the tubes of the entries, up to [`LANES`] of one tube at a time.
+    #[inline(always)]
+    fn answer(&self, tubes: &Tubes, d: Vec3, asking: &mut Asking, blocks: &[Points]) {
+        let Asking { seen, entries, first, used, .. } = asking;
+        first.resize((BUCKETS * BUCKETS) as usize, NONE);
+        for at in 0..entries.len() {
+            let tube = entries[at].tube;
+            let bucket = (tube >> 16) % BUCKETS * BUCKETS + tube % BUCKETS;
+            let head = &mut first[bucket as usize];
+            if *head == NONE {
+                used.push(bucket);
+            }
+            entries[at].next = *head;
+            *head = at as u32;
+        }
+        let base = self.center_in_view.dot(d);
+        while let Some(bucket) = used.pop() {
+            let mut head = std::mem::replace(&mut first[bucket as usize], NONE);
+            while head != NONE {
+                // The entries of one tube into the lanes; the others of the bucket wait for the next round.
+                let tube = entries[head as usize].tube;
+                let (mut count, mut waiting, mut low) = (0, NONE, f32::INFINITY);
+                let mut lanes = [0u32; LANES];
+                while head != NONE {
+                    let entry = entries[head as usize];
+                    if entry.tube == tube && count < LANES {
+                        lanes[count] = head;
+                        count += 1;
+                        low = min(entry.height, low);
+                    } else {
+                        entries[head as usize].next = waiting;
+                        waiting = head;
+                    }
+                    head = entry.next;
+                }
+                head = waiting;
+                let (mut starts, mut free) = (Starts::default(), [0u32; LANES]);
+                for (lane, &entry) in lanes[..count].iter().enumerate() {
+                    let point = entries[entry as usize].point as usize;
+                    let (of, at) = (&blocks[point / LANES], point % LANES);
+                    for axis in 0..3 {
+                        starts.position[axis][lane] = of.position[axis][at];
+                    }
+                    starts.own[lane] = of.own[at];
+                    free[lane] = u32::MAX;
+                }
+                let list = tubes.of(((tube >> 16) * tubes.size[0] + (tube & 0xffff)) as usize);
+                walk(list, d, low + base, &self.solids, &starts, &mut free);
+                for (lane, &entry) in lanes[..count].iter().enumerate() {
+                    let Entry { point, weight, .. } = entries[entry as usize];
+                    let sum = &mut seen[point as usize / LANES][point as usize % LANES];
+                    *sum += if free[lane] != 0 { weight } else { 0.0 };
+                }
+            }
+        }
+    }
+}
+
+/// Where the rays of one tube start.
+#[derive(Debug, Clone, Copy, Default)]
+struct Starts {
+    position: [Lanes; 3],
+    own: [u32; LANES],
 }
 
 /// All bits of a lane, or none.
@@ -196,12 +273,12 @@ type Mask = [u32; LANES];
 
 /// Clears the lanes of `free` whose ray something in the list stands in the way of; `low` is the lowest start of theirs.
 #[inline(always)]
-fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Points, free: &mut Mask) {
+fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Starts, free: &mut Mask) {
     for &index in list {
         let i = index as usize;
         let left = match solids.primitive(i) {
-            Primitive::Sphere(i) => {
-                let sphere = &solids.spheres[i];
+            Primitive::Sphere(s) => {
+                let sphere = &solids.spheres[s];
                 if sphere.center.dot(d) + sphere.radius <= low {
                     break; // neither this one nor those after it reach up to the points
                 }
@@ -214,7 +291,7 @@ fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Points, free:
                     break;
                 }
                 if cylinder.is_open() {
-                    if behind_other(solids, i, d, points, free) == 0 {
+                    if behind_other(solids, index, d, points, free) == 0 {
                         break;
                     }
                     continue;
@@ -231,7 +308,7 @@ fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Points, free:
                 if Bound::of(solids, i).top(d) <= low {
                     break;
                 }
-                behind_other(solids, i, d, points, free)
+                behind_other(solids, index, d, points, free)
             }
         };
         if left == 0 {
@@ -242,7 +319,7 @@ fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Points, free:
 
 /// Clears the lanes that a ball hides the light from; bits of those that are left.
 #[inline(always)]
-fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
+fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Starts, free: &mut Mask) -> u32 {
     let r2 = radius * radius;
     let [px, py, pz] = &points.position;
     let mut left = 0;
@@ -259,16 +336,17 @@ fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Points, fre
     left
 }
 
-/// Clears the lanes that a cone, torus, triangle or open stick hides the light from; bits of those that are left. A torus, a
-/// mesh and the inside of a stick may hide themselves.
-fn behind_other(solids: &Solids, index: usize, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
+/// Clears the lanes that any primitive hides the light from, one by one; bits of those that are left. A torus, the inside of
+/// an open stick, and a triangle whose normals are not its plane's may hide themselves.
+#[inline(never)]
+fn behind_other(solids: &Solids, index: u32, d: Vec3, points: &Starts, free: &mut Mask) -> u32 {
+    let is_convex = matches!(solids.primitive(index as usize), Primitive::Cone(_));
     let mut left = 0;
     for lane in 0..LANES {
-        if free[lane] != 0 {
-            let origin = Vec3::new(points.position[0][lane], points.position[1][lane], points.position[2][lane]);
-            if primitive_t(&Ray { origin, direction: d }, solids, index, 0.0).is_finite() {
-                free[lane] = 0;
-            }
+        if free[lane] != 0 && !(is_convex && points.own[lane] == index) {
+            let origin = Vec3::from(points.position.map(|axis| axis[lane]));
+            let ray = Ray { origin, direction: d };
+            free[lane] = if primitive_t(&ray, solids, index as usize, 0.0).is_finite() { 0 } else { free[lane] };
         }
         left |= free[lane];
     }
@@ -279,7 +357,7 @@ fn behind_other(solids: &Solids, index: usize, d: Vec3, points: &Points, free: &
 /// `cosine` is that of axis and direction. A ray is free where the part of it inside of the endless cylinder (about its point
 /// nearest to the axis) and the one between the planes of the ends do not overlap beyond its start.
 #[inline(always)]
-fn behind_cylinder(cylinder: &Cylinder, cosine: f32, index: u32, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
+fn behind_cylinder(cylinder: &Cylinder, cosine: f32, index: u32, d: Vec3, points: &Starts, free: &mut Mask) -> u32 {
     let (c, a, h, radius) = (cylinder.center, cylinder.axis(), cylinder.half_length, cylinder.radius);
     let n = a.cross(d);
     let sine2 = n.dot(n);
@@ -310,3 +388,7 @@ fn behind_cylinder(cylinder: &Cylinder, cosine: f32, index: u32, d: Vec3, points
     }
     left
 }
+
+#[cfg(test)]
+#[path = "reach_tests.rs"]
+mod tests;

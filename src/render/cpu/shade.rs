@@ -1,17 +1,18 @@
 //! From what the samples of a tile see to light: the vector twin of [`super::shader::Shader`].
 //!
-//! Worked on together are 4 × 4 pixels, one sample of each: they ask the same directions of the sky.
+//! A vector holds 4 × 4 pixels, one sample of each: they ask the same directions of the sky.
 //!
 //! The primitives' facts are gathered lane by lane, everything after that is the same for balls and sticks: a ball is a
 //! stick whose axis has no length. The normal comes from the hit's place, not from solving again, so that it is off by
 //! the rounding of the depth: 1e-4 of a stick's radius at 100 Å, less than a colour can show.
 
 use super::lanes::{LANES, Lanes, max, min};
-use super::reach::{Points, Questions};
+use super::reach::{Asking, NOBODY, Points, Questions};
 use super::shader::Shader;
 use super::tile::{Place, SIDE, Tile};
 use crate::render::frame::{Surface, shade_surface};
 use crate::render::sky::{Reach, START_OFFSET};
+use crate::render::solids::Primitive;
 use crate::scene::PixelGrid;
 use glam::Vec3;
 
@@ -88,14 +89,14 @@ impl Fact {
         let solids = shader.solids;
         let index = index as usize;
         let none = [f32::NEG_INFINITY, f32::INFINITY];
-        match index.checked_sub(solids.spheres.len()) {
-            None => {
-                let sphere = &solids.spheres[index];
-                let color = solids.sphere_looks[index].0.to_linear();
+        match solids.primitive(index) {
+            Primitive::Sphere(i) => {
+                let sphere = &solids.spheres[i];
+                let color = solids.sphere_looks[i].0.to_linear();
                 let (center, radius) = (sphere.center.to_array(), sphere.radius);
                 Fact { center, axis: [0.0; 3], radius, caps: none, ends: none, colors: [color, color] }
             }
-            Some(i) => {
+            Primitive::Cylinder(i) => {
                 let cylinder = &solids.cylinders[i];
                 let (a, b, _) = solids.cylinder_looks[i];
                 let h = cylinder.half_length;
@@ -112,6 +113,8 @@ impl Fact {
                     colors: [a.to_linear(), b.to_linear()],
                 }
             }
+            // Found one by one: see `others`.
+            _ => Fact { center: [0.0; 3], axis: [0.0; 3], radius: 1.0, caps: none, ends: none, colors: [[0.0; 3]; 2] },
         }
     }
 }
@@ -129,39 +132,66 @@ struct Samples {
     seen: [bool; LANES],
 }
 
-/// Adds the light of a group of pixels to the sums of a tile (planes of [`super::backdrop::Sums`], rows of `width` pixels).
+/// The surfaces that a group of pixels shows in one sample.
+pub(super) struct Surfaces {
+    /// Row and column of the group in its tile.
+    place: [usize; 2],
+    samples: Samples,
+    albedo: [Lanes; 3],
+}
+
+/// Room for the surfaces of a tile, used again and again.
+#[derive(Default)]
+pub(super) struct Shading {
+    surfaces: Vec<Surfaces>,
+    /// Where they are, one after the other.
+    points: Vec<Points>,
+    asking: Asking,
+}
+
+/// Adds the light of a tile to its sums (planes of [`super::backdrop::Sums`], rows of `width` pixels): sample by sample, as all
+/// pixels ask the same directions in one sample.
 #[inline(always)]
-pub(super) fn add_group(
+pub(super) fn add(
     shader: &Shader<'_>,
     questions: &Questions<'_>,
     place: &Place<'_>,
     tile: &Tile,
     (sums, width): (&mut [f32], usize),
-    [row, column]: [usize; 2],
+    shading: &mut Shading,
 ) {
     let blocks = GROUP / place.pass.side as usize;
-    let is_touched = |row: usize| tile.touched[row][column * blocks..(column + 1) * blocks].contains(&true);
-    if !(row * blocks..(row + 1) * blocks).any(is_touched) {
-        return;
-    }
-    let (mut color, mut count) = ([[0.0f32; LANES]; 3], [0.0f32; LANES]);
     for sample in 0..place.pass.per_pixel() {
-        let samples = gather(shader, place, tile, sample, [row, column]);
-        if samples.seen.contains(&true) {
-            let lit = light(shader, questions, place, &samples, place.pass.sample[sample]);
-            for lane in 0..LANES {
-                for part in 0..3 {
-                    color[part][lane] += lit[part][lane];
+        shading.surfaces.clear();
+        shading.points.clear();
+        for row in 0..width / GROUP {
+            for column in 0..width / GROUP {
+                let columns = column * blocks..(column + 1) * blocks;
+                let touched = &tile.touched[row * blocks..(row + 1) * blocks];
+                if touched.iter().any(|row| row[columns.clone()].contains(&true)) {
+                    let samples = gather(shader, place, tile, sample, [row, column]);
+                    if samples.seen.contains(&true) {
+                        let (surfaces, points) = surfaces(shader, place, samples, [row, column]);
+                        shading.surfaces.push(surfaces);
+                        shading.points.push(points);
+                    }
                 }
-                count[lane] += if samples.seen[lane] { 1.0 } else { 0.0 };
             }
         }
-    }
-    for (plane, lanes) in [&color[0], &color[1], &color[2], &count].into_iter().enumerate() {
-        for y in 0..GROUP {
-            let start = (plane * width + row * GROUP + y) * width + column * GROUP;
-            for (sum, lane) in sums[start..start + GROUP].iter_mut().zip(&lanes[y * GROUP..(y + 1) * GROUP]) {
-                *sum += lane;
+        let (number, unasked) = (place.pass.sample[sample], shader.frame.unasked());
+        let Shading { surfaces, points, asking } = shading;
+        questions.ask(asking, points, number, unasked);
+        for (surfaces, points) in surfaces.iter().zip(points.iter()) {
+            let light = light(shader, place.grid.orthographic, surfaces, points);
+            let [row, column] = surfaces.place;
+            let seen: Lanes = surfaces.samples.seen.map(|seen| if seen { 1.0 } else { 0.0 });
+            for (plane, lanes) in [&light[0], &light[1], &light[2], &seen].into_iter().enumerate() {
+                for y in 0..GROUP {
+                    let start = (plane * width + row * GROUP + y) * width + column * GROUP;
+                    for (sum, lane) in sums[start..start + GROUP].iter_mut().zip(&lanes[y * GROUP..(y + 1) * GROUP]) {
+                        *sum += lane;
+                    }
+                }
             }
         }
     }
@@ -201,15 +231,9 @@ fn gather(shader: &Shader<'_>, place: &Place<'_>, tile: &Tile, sample: usize, [r
     samples
 }
 
-/// The light of samples; black where they see no primitive.
+/// The surfaces of samples.
 #[inline(always)]
-fn light(
-    shader: &Shader<'_>,
-    questions: &Questions<'_>,
-    place: &Place<'_>,
-    samples: &Samples,
-    number: u32,
-) -> [Lanes; 3] {
+fn surfaces(shader: &Shader<'_>, place: &Place<'_>, samples: Samples, group: [usize; 2]) -> (Surfaces, Points) {
     let first = samples.index[0];
     let mut same = true;
     for lane in 0..LANES {
@@ -226,24 +250,11 @@ fn light(
         }
         facts
     };
-    finish(shader, questions, place.grid.orthographic, samples, &facts, number)
-}
-
-#[inline(always)]
-fn finish(
-    shader: &Shader<'_>,
-    questions: &Questions<'_>,
-    parallel: bool,
-    samples: &Samples,
-    facts: &Facts,
-    number: u32,
-) -> [Lanes; 3] {
     let near = shader.frame.depth[2];
-    let Samples { u, v, t, seen, .. } = samples;
+    let Samples { u, v, t, seen, .. } = &samples;
     // Rays start at (u, v, 0) and run along −z, or start at the eye and run along (u, v, −1).
-    let (start, slope) = if parallel { (1.0, 0.0) } else { (0.0, 1.0) };
-    let mut points = Points::default();
-    let mut half = [0.0f32; LANES];
+    let (start, slope) = if place.grid.orthographic { (1.0, 0.0) } else { (0.0, 1.0) };
+    let (mut points, mut albedo) = (Points::default(), [[0.0f32; LANES]; 3]);
     for lane in 0..LANES {
         let d = Vec3::new(u[lane] * slope, v[lane] * slope, -1.0);
         let depth = if seen[lane] { t[lane] } else { near };
@@ -251,7 +262,6 @@ fn finish(
         let p = hit - Vec3::new(facts.center[0][lane], facts.center[1][lane], facts.center[2][lane]);
         let axis = Vec3::new(facts.axis[0][lane], facts.axis[1][lane], facts.axis[2][lane]);
         let along = p.x * axis.x + p.y * axis.y + p.z * axis.z;
-        half[lane] = along;
         let side = p - axis * along;
         let out = (side.x * side.x + side.y * side.y + side.z * side.z).sqrt();
         // The side or a cap, whichever is nearer to the hit.
@@ -259,18 +269,14 @@ fn finish(
         let (off_a, off_b) = ((along - facts.caps[0][lane]).abs(), (along - facts.caps[1][lane]).abs());
         let round = p - axis * min(max(along, facts.ends[0][lane]), facts.ends[1][lane]);
         let is_round = facts.ends[0][lane] > f32::NEG_INFINITY || facts.ends[1][lane] < f32::INFINITY;
-        let mut n = Vec3::new(
-            if is_round { round.x } else { side.x },
-            if is_round { round.y } else { side.y },
-            if is_round { round.z } else { side.z },
-        );
         let by_a = (off_a < off_side) & (off_a <= off_b);
         let by_b = (off_b < off_side) & !by_a;
         let cap = if by_a { -1.0 } else { 1.0 };
         let capped = by_a | by_b;
         let toward = -1.0 / (d.x * d.x + d.y * d.y + d.z * d.z).sqrt();
         let cut = depth <= near;
-        let pick = |n: f32, axis: f32, d: f32| {
+        let pick = |side: f32, round: f32, axis: f32, d: f32| {
+            let n = if is_round { round } else { side };
             if cut {
                 d * toward
             } else if capped {
@@ -279,37 +285,68 @@ fn finish(
                 n
             }
         };
-        n = Vec3::new(pick(n.x, axis.x, d.x), pick(n.y, axis.y, d.y), pick(n.z, axis.z, d.z));
+        let n = Vec3::new(
+            pick(side.x, round.x, axis.x, d.x),
+            pick(side.y, round.y, axis.y, d.y),
+            pick(side.z, round.z, axis.z, d.z),
+        );
         let over = 1.0 / max((n.x * n.x + n.y * n.y + n.z * n.z).sqrt(), 1e-20);
         // Seen from inside, an open cylinder shows its back.
-        let over = if n.x * d.x + n.y * d.y + n.z * d.z > 0.0 { -over } else { over };
-        let n = n * over;
-        for axis in 0..3 {
-            points.position[axis][lane] = hit[axis] + n[axis] * START_OFFSET;
-            points.normal[axis][lane] = n[axis];
+        let n = n * if n.x * d.x + n.y * d.y + n.z * d.z > 0.0 { -over } else { over };
+        let is_b = along > 0.0;
+        for part in 0..3 {
+            points.position[part][lane] = hit[part] + n[part] * START_OFFSET;
+            points.normal[part][lane] = n[part];
+            albedo[part][lane] = if is_b { facts.colors[1][part][lane] } else { facts.colors[0][part][lane] };
         }
         points.asks[lane] = if seen[lane] & !cut { 1.0 } else { 0.0 };
-        points.own[lane] = samples.index[lane];
+        points.own[lane] = if shader.solids.see_through { NOBODY } else { samples.index[lane] };
     }
-    let unasked = shader.frame.unasked();
-    let [open, key] = questions.ask(shader.solids, &points, number, unasked);
+    others(shader, place, &samples, &mut points, &mut albedo);
+    (Surfaces { place: group, samples, albedo }, points)
+}
+
+/// Normals and colours of what is neither ball nor stick, one by one.
+#[inline(always)]
+fn others(shader: &Shader<'_>, place: &Place<'_>, samples: &Samples, points: &mut Points, albedo: &mut [Lanes; 3]) {
+    let simple = (shader.solids.spheres.len() + shader.solids.cylinders.len()) as u32;
+    for lane in 0..LANES {
+        if samples.index[lane] < simple || !samples.seen[lane] {
+            continue;
+        }
+        let ray = place.grid.ray((samples.u[lane], samples.v[lane]));
+        let surface = shader.surface(&ray, samples.index[lane], samples.t[lane]);
+        let start = ray.origin + ray.direction * samples.t[lane] + surface.normal * START_OFFSET;
+        for part in 0..3 {
+            points.position[part][lane] = start[part];
+            points.normal[part][lane] = surface.normal[part];
+            albedo[part][lane] = surface.albedo[part];
+        }
+    }
+}
+
+/// The light of surfaces that were told what reaches them; black where there are none.
+#[inline(always)]
+fn light(shader: &Shader<'_>, parallel: bool, surfaces: &Surfaces, points: &Points) -> [Lanes; 3] {
+    let Surfaces { samples, albedo, .. } = surfaces;
+    let (unasked, slope) = (shader.frame.unasked(), if parallel { 0.0 } else { 1.0 });
     let mut light = [[0.0f32; LANES]; 3];
     for lane in 0..LANES {
-        let direction = Vec3::new(u[lane] * slope, v[lane] * slope, -1.0);
-        let is_b = half[lane] > 0.0;
-        let albedo = |part: usize| if is_b { facts.colors[1][part][lane] } else { facts.colors[0][part][lane] };
+        let direction = Vec3::new(samples.u[lane] * slope, samples.v[lane] * slope, -1.0);
         let surface = Surface {
-            depth: t[lane],
+            depth: samples.t[lane],
             normal: Vec3::new(points.normal[0][lane], points.normal[1][lane], points.normal[2][lane]),
-            albedo: Vec3::new(albedo(0), albedo(1), albedo(2)),
+            albedo: Vec3::new(albedo[0][lane], albedo[1][lane], albedo[2][lane]),
         };
-        let cut = t[lane] <= near;
-        let reach =
-            Reach { open: if cut { unasked.open } else { open[lane] }, key: if cut { unasked.key } else { key[lane] } };
+        let asks = points.asks[lane] > 0.0;
+        let reach = Reach {
+            open: if asks { points.told[0][lane] } else { unasked.open },
+            key: if asks { points.told[1][lane] } else { unasked.key },
+        };
         let color = shade_surface(shader.frame, &surface, reach, direction);
-        light[0][lane] = if seen[lane] { color.x } else { 0.0 };
-        light[1][lane] = if seen[lane] { color.y } else { 0.0 };
-        light[2][lane] = if seen[lane] { color.z } else { 0.0 };
+        light[0][lane] = if samples.seen[lane] { color.x } else { 0.0 };
+        light[1][lane] = if samples.seen[lane] { color.y } else { 0.0 };
+        light[2][lane] = if samples.seen[lane] { color.z } else { 0.0 };
     }
     light
 }

@@ -8,8 +8,6 @@
     reason = "instructions that were just found to be there, and loads whose bounds were just checked"
 )]
 
-use super::lanes::LANES;
-
 /// Something to run. `run` must be `#[inline(always)]`, and so must what it calls: what is not inlined stays at the baseline
 /// (a closure would be inlined only as the compiler sees fit).
 pub(super) trait Work {
@@ -38,19 +36,6 @@ pub(super) fn widest(work: impl Work) {
     work.run();
 }
 
-/// The numbers at each index (low half) and right after it (high half); zeros if one of them is not in the list. Asking the depth
-/// maps is little but loads: checking them one by one takes three times as long.
-#[inline(always)]
-pub(super) fn pairs(list: &[u16], index: &[u32; LANES]) -> [u32; LANES] {
-    let most = index.iter().fold(0, |most, &i| if i > most { i } else { most });
-    if most as usize + 1 >= list.len() {
-        return [0; LANES];
-    }
-    // SAFETY: every index and the one after it are below the length, as was just checked.
-    std::array::from_fn(|lane| unsafe { list.as_ptr().add(index[lane] as usize).cast::<u32>().read_unaligned() })
-}
-
-#[cfg(target_arch = "x86_64")]
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn avx2(work: impl Work) {

@@ -4,9 +4,9 @@
 //! it is left out at once. Ties in depth go to the first primitive, as in the reference.
 
 use super::binning::Candidate;
-use super::intersect::{FLAT_CAPS, cylinder_t, flat_cylinder_t, sphere_t};
+use super::intersect::{FLAT_CAPS, cone_t, cylinder_t, flat_cylinder_t, sphere_t, torus_t, triangle_t};
 use super::lanes::{LANES, Lanes, Pass};
-use crate::render::solids::{Cylinder, Solids, Sphere};
+use crate::render::solids::{Cone, Cylinder, Primitive, Solids, Sphere, Torus, Triangle};
 use crate::scene::{PixelGrid, Ray};
 use glam::Vec3;
 
@@ -55,6 +55,27 @@ impl<const PARALLEL: bool> DepthAt for Drawn<Cylinder, PARALLEL> {
     #[inline(always)]
     fn t(&self, u: f32, v: f32) -> f32 {
         cylinder_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
+    }
+}
+
+impl<const PARALLEL: bool> DepthAt for Drawn<Cone, PARALLEL> {
+    #[inline(always)]
+    fn t(&self, u: f32, v: f32) -> f32 {
+        cone_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
+    }
+}
+
+impl<const PARALLEL: bool> DepthAt for Drawn<Torus, PARALLEL> {
+    #[inline(always)]
+    fn t(&self, u: f32, v: f32) -> f32 {
+        torus_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
+    }
+}
+
+impl<const PARALLEL: bool> DepthAt for Drawn<Triangle, PARALLEL> {
+    #[inline(always)]
+    fn t(&self, u: f32, v: f32) -> f32 {
+        triangle_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
     }
 }
 
@@ -118,10 +139,15 @@ impl Tile {
             if drawn % 16 == 15 && candidate.nearest > self.farthest(place) {
                 break; // the rest is behind everything
             }
+            let mut mask = [true; LANES];
+            if solids.see_through {
+                let drawn = |sample| solids.is_drawn(candidate.index as usize, sample, place.pass.samples);
+                mask = place.pass.sample.map(drawn);
+            }
             if place.grid.orthographic {
-                self.draw_candidate::<true>(place, solids, candidate);
+                self.draw_candidate::<true>(place, solids, candidate, &mask);
             } else {
-                self.draw_candidate::<false>(place, solids, candidate);
+                self.draw_candidate::<false>(place, solids, candidate, &mask);
             }
         }
     }
@@ -134,26 +160,40 @@ impl Tile {
     }
 
     #[inline(always)]
-    fn draw_candidate<const PARALLEL: bool>(&mut self, place: &Place<'_>, solids: &Solids, candidate: &Candidate) {
+    fn draw_candidate<const PARALLEL: bool>(
+        &mut self,
+        place: &Place<'_>,
+        solids: &Solids,
+        candidate: &Candidate,
+        mask: &[bool; LANES],
+    ) {
         let near = place.near;
-        match (candidate.index as usize).checked_sub(solids.spheres.len()) {
-            None => {
-                let solid = solids.spheres[candidate.index as usize];
-                self.draw(place, candidate, &Drawn::<_, PARALLEL> { solid, near });
+        match solids.primitive(candidate.index as usize) {
+            Primitive::Sphere(i) => {
+                self.draw(place, candidate, mask, &Drawn::<_, PARALLEL> { solid: solids.spheres[i], near });
             }
-            Some(cylinder) => {
-                let solid = solids.cylinders[cylinder];
+            Primitive::Cylinder(i) => {
+                let solid = solids.cylinders[i];
                 if solid.caps == FLAT_CAPS {
-                    self.draw(place, candidate, &Drawn::<_, PARALLEL> { solid: Flat(solid), near });
+                    self.draw(place, candidate, mask, &Drawn::<_, PARALLEL> { solid: Flat(solid), near });
                 } else {
-                    self.draw(place, candidate, &Drawn::<_, PARALLEL> { solid, near });
+                    self.draw(place, candidate, mask, &Drawn::<_, PARALLEL> { solid, near });
                 }
+            }
+            Primitive::Cone(i) => {
+                self.draw(place, candidate, mask, &Drawn::<_, PARALLEL> { solid: solids.cones[i], near });
+            }
+            Primitive::Torus(i) => {
+                self.draw(place, candidate, mask, &Drawn::<_, PARALLEL> { solid: solids.tori[i], near });
+            }
+            Primitive::Triangle(i) => {
+                self.draw(place, candidate, mask, &Drawn::<_, PARALLEL> { solid: solids.triangles[i], near });
             }
         }
     }
 
     #[inline(always)]
-    fn draw(&mut self, place: &Place<'_>, candidate: &Candidate, drawn: &impl DepthAt) {
+    fn draw(&mut self, place: &Place<'_>, candidate: &Candidate, mask: &[bool; LANES], drawn: &impl DepthAt) {
         let side = place.pass.side;
         let [left, top, right, bottom] = candidate.pixels.map(u32::from);
         let block = |pixel: u32, axis: usize| (pixel.saturating_sub(place.in_region[axis]) / side) as usize;
@@ -172,17 +212,25 @@ impl Tile {
             let v = place.v(row);
             for column in start..end {
                 if candidate.nearest <= self.farthest[row][column] {
-                    self.draw_block([row, column], candidate.index, place.u(column), v, drawn);
+                    self.draw_block([row, column], candidate.index, mask, [&place.u(column), &v], drawn);
                 }
             }
         }
     }
 
     #[inline(always)]
-    fn draw_block(&mut self, [row, column]: [usize; 2], index: u32, u: Lanes, v: Lanes, drawn: &impl DepthAt) {
+    fn draw_block(
+        &mut self,
+        [row, column]: [usize; 2],
+        index: u32,
+        mask: &[bool; LANES],
+        [u, v]: [&Lanes; 2],
+        drawn: &impl DepthAt,
+    ) {
         let mut new = [0.0f32; LANES];
         for lane in 0..LANES {
-            new[lane] = drawn.t(u[lane], v[lane]);
+            let t = drawn.t(u[lane], v[lane]);
+            new[lane] = if mask[lane] { t } else { f32::INFINITY };
         }
         let t = &mut self.t[row][column];
         let seen = &mut self.index[row][column];

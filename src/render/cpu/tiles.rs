@@ -7,7 +7,7 @@ use super::backdrop::Row;
 use super::binning::{Bins, Candidate};
 use super::lanes::Pass;
 use super::reach::{Lights, Questions};
-use super::shade::{self, GROUP};
+use super::shade::{self, Shading};
 use super::shader::Shader;
 use super::simd::{Work, widest};
 use super::tile::{Place, SIDE, Tile};
@@ -35,11 +35,12 @@ struct Bench {
     candidates: Vec<Candidate>,
     /// Planes of [`super::backdrop::Sums`], one after the other, rows of the tile's width.
     sums: Vec<f32>,
+    shading: Shading,
 }
 
 impl Bench {
     fn new() -> Bench {
-        Bench { tile: Tile::new(), candidates: Vec::new(), sums: Vec::new() }
+        Bench { tile: Tile::new(), candidates: Vec::new(), sums: Vec::new(), shading: Shading::default() }
     }
 }
 
@@ -84,13 +85,9 @@ impl Work for Samples<'_, '_> {
         let Samples { picture, bench, place, questions } = self;
         bench.tile.see(&place, picture.shader.solids, &bench.candidates);
         let Some(questions) = questions else { return };
-        let side = picture.bins.tile as usize;
-        for row in 0..side / GROUP {
-            for column in 0..side / GROUP {
-                let sums = (bench.sums.as_mut_slice(), side);
-                shade::add_group(&picture.shader, questions, &place, &bench.tile, sums, [row, column]);
-            }
-        }
+        let Bench { tile, sums, shading, .. } = bench;
+        let sums = (sums.as_mut_slice(), picture.bins.tile as usize);
+        shade::add(&picture.shader, questions, &place, tile, sums, shading);
     }
 }
 
@@ -169,7 +166,7 @@ pub(super) fn image(
     let row_bytes = region.width as usize * 4;
     let mut rgba = vec![0u8; row_bytes * region.height as usize];
     let solids = Solids::new(scene, view.camera.view_from_world());
-    let questions = lights.questions(view, &solids);
+    let questions = lights.questions(scene, view, &solids);
     let picture = Picture::new(Shader::new(&frame, &solids, ground_map), view, tile);
     let across = picture.bins.tiles[0] as usize;
     rgba.par_chunks_mut(row_bytes * tile as usize).enumerate().for_each(|(tile_row, band)| {

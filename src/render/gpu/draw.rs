@@ -121,24 +121,22 @@ impl Draw<'_> {
         self.gpu.submit("surface", |encoder| self.geometry(encoder, targets, region));
     }
 
-    /// Records the mean of `samples` into a target, with a resolve pipeline.
+    /// Records the mean of `samples` into a target, with a resolve pipeline; the inputs are the sum, the ground's light and what
+    /// else the pipeline's layout of group 1 has.
     pub(super) fn resolve(
         &self,
-        pipeline: &wgpu::RenderPipeline,
-        [targets_sum, ground_light]: [&wgpu::TextureView; 2],
+        (pipeline, layout): (&wgpu::RenderPipeline, &wgpu::BindGroupLayout),
+        inputs: &[&wgpu::TextureView],
         target: &wgpu::TextureView,
         region: Region,
         samples: u32,
     ) -> wgpu::SubmissionIndex {
         self.set_sample(region, [samples, samples]);
-        let group = self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("resolve"),
-            layout: &self.pipelines.resolve_layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(targets_sum) },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(ground_light) },
-            ],
-        });
+        let entry =
+            |(binding, &input)| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(input) };
+        let entries: Vec<_> = (0..).zip(inputs).map(entry).collect();
+        let label = Some("resolve");
+        let group = self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries });
         self.gpu.submit("resolve", |encoder| self.fullscreen(encoder, pipeline, &[&group], target, region))
     }
 

@@ -100,6 +100,8 @@ pub const WORD_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 pub const SUM_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 /// The finished picture.
 pub const IMAGE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+/// Text over a picture in a window: sRGB, straight alpha.
+pub const TEXT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Uint;
 /// Light on the ground, floats in integer bits.
 pub const GROUND_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 /// Boxes and primitives of the distance field.

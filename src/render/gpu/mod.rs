@@ -28,7 +28,7 @@ pub use adapter::{AdapterReport, AdapterWish, adapters};
 pub use window::WindowSurface;
 
 use super::frame::FrameConstants;
-use super::{GBuffer, Image, Renderer, Settings, View};
+use super::{GBuffer, Image, Renderer, Settings, View, overlay};
 use crate::error::{Error, Result};
 use crate::scene::{Region, Scene};
 use device::{Gpu, view_of};
@@ -160,6 +160,14 @@ impl GpuRenderer {
         Ok(frame)
     }
 
+    /// Writes the scene's text over a picture; labels need to ask what is seen.
+    fn write(&mut self, image: &mut Image, scene: &Scene, view: &View, with_labels: bool) -> Result<()> {
+        let asks = with_labels && !scene.overlay.labels.is_empty();
+        let probe = if asks { Some(self.gbuffer(&overlay::probe_view(view, overlay::PROBE_SIDE))?) } else { None };
+        overlay::write(image, scene, view, probe.as_ref());
+        Ok(())
+    }
+
     fn draw(&self, settings: &Settings) -> Draw<'_> {
         Draw {
             sky: &self.sky,
@@ -232,7 +240,13 @@ impl Renderer for GpuRenderer {
             for &tile in &tiles {
                 draw.samples(&targets, tile, [0, samples], samples)?;
                 let inputs = [&targets.sums[(samples % 2) as usize], self.ground.light(&frame)];
-                draw.resolve(&self.pipelines.resolve, inputs, &picture_view, tile, samples);
+                draw.resolve(
+                    (&self.pipelines.resolve, &self.pipelines.resolve_layout),
+                    &inputs,
+                    &picture_view,
+                    tile,
+                    samples,
+                );
                 draw.read_back(&picture, 4, tile, |y, row| {
                     let (x, y) = ((tile.x - region.x) as usize, (tile.y - region.y + y) as usize);
                     let start = (y * region.width as usize + x) * 4;
@@ -242,7 +256,11 @@ impl Renderer for GpuRenderer {
             Ok(())
         })?;
         self.targets = Some(targets);
-        Ok(Image { width: region.width, height: region.height, rgba })
+        let mut image = Image { width: region.width, height: region.height, rgba };
+        if let Some(scene) = self.scene.clone() {
+            self.write(&mut image, &scene, view, true)?;
+        }
+        Ok(image)
     }
 
     fn gbuffer(&mut self, view: &View) -> Result<GBuffer> {

@@ -22,6 +22,8 @@ pub(super) struct Pipelines {
     pub(super) shade_layout: wgpu::BindGroupLayout,
     /// Group 1 of the resolve pass: sums and the ground's light.
     pub(super) resolve_layout: wgpu::BindGroupLayout,
+    /// Group 1 of the pass to a window: the same, and the text.
+    pub(super) present_layout: wgpu::BindGroupLayout,
     /// Group 1 of the ground pass: the distance field.
     pub(super) field_layout: wgpu::BindGroupLayout,
     /// Group 2 of the shade pass: tubes and directions of the sky and of the key light, and the primitives.
@@ -75,6 +77,7 @@ impl Pipelines {
         let placement_layout = layout("placement", &[uniform(0, size_of::<PlacementConstants>() as u64, true)]);
         let shade_layout = layout("shade", &[texture(0, words), texture(1, words)]);
         let resolve_layout = layout("resolve", &[texture(0, words), texture(1, words)]);
+        let present_layout = layout("present", &[texture(0, words), texture(1, words), texture(2, words)]);
         let field_layout = layout(
             "field",
             &[uniform(0, size_of::<FieldConstants>() as u64, false), texture(1, floats), texture(2, floats)],
@@ -118,6 +121,7 @@ impl Pipelines {
             placement_layout,
             shade_layout,
             resolve_layout,
+            present_layout,
             field_layout,
         })
     }
@@ -127,7 +131,7 @@ impl Pipelines {
         gpu.guard("building the window's pipeline", || {
             let entry = if format.is_srgb() { "fs_present_linear" } else { "fs_present" };
             let module = module(gpu, "resolve.wgsl")?;
-            let groups = [&self.frame_layout, &self.resolve_layout];
+            let groups = [&self.frame_layout, &self.present_layout];
             Ok(pipeline(gpu, "present", &module, ["vs_fullscreen", entry], None, format, &groups))
         })
     }

@@ -2,10 +2,12 @@
 
 use super::adapter;
 use super::device::{Gpu, view_of};
+use super::ground::write_rows;
+use super::layout::TEXT_FORMAT;
 use super::targets::Targets;
-use super::{AdapterWish, GpuRenderer, instance};
+use super::{AdapterWish, GpuRenderer, instance, zeroed};
 use crate::error::{Error, Result};
-use crate::render::{Settings, View};
+use crate::render::{Image, Settings, View};
 use crate::scene::Region;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -17,6 +19,8 @@ pub struct WindowSurface {
     pipeline: wgpu::RenderPipeline,
     /// Holds the sum of samples from frame to frame.
     targets: Option<(Targets, [u32; 2])>,
+    /// What is written over the picture that is being summed.
+    text: Option<wgpu::TextureView>,
 }
 
 impl WindowSurface {
@@ -45,14 +49,14 @@ impl GpuRenderer {
         let renderer = GpuRenderer::on(gpu)?;
         let configuration = configuration(&surface.get_capabilities(&adapter), size_px)?;
         let pipeline = renderer.pipelines.present(&renderer.gpu, configuration.format)?;
-        let mut window = WindowSurface { surface, configuration, pipeline, targets: None };
+        let mut window = WindowSurface { surface, configuration, pipeline, targets: None, text: None };
         renderer.configure(&mut window, size_px)?;
         Ok((renderer, window))
     }
 
     /// Follows the window to a new size. The next [`GpuRenderer::present`] starts from sample 0.
     pub fn resize(&mut self, window: &mut WindowSurface, size_px: [u32; 2]) {
-        window.targets = None;
+        (window.targets, window.text) = (None, None);
         // A refusal shows at the next present.
         if let Err(Error::Gpu(what)) = self.configure(window, size_px) {
             self.gpu.record(what);
@@ -69,7 +73,8 @@ impl GpuRenderer {
     }
 
     /// Adds samples `done..done + add` of the loaded scene to those summed for this view, and shows their mean. With
-    /// `done` 0 the sum starts anew; anything that changes the picture must start it. The view is the window's size.
+    /// `done` 0 the sum starts anew; anything that changes the picture must start it. The view is the window's size. Pictures of one
+    /// sample, in motion, have no labels.
     ///
     /// A window that is hidden or too slow to take the picture is no error: the samples are summed, the next call shows them.
     ///
@@ -87,6 +92,10 @@ impl GpuRenderer {
         let region = view.region();
         let size = [region.width.min(most), region.height.min(most)];
         let region = Region { width: size[0], height: size[1], ..region };
+        let text = match window.text.take().filter(|_| done > 0) {
+            Some(text) => text,
+            None => self.text(&View { region: Some(region), ..*view }, settings.samples > 1)?,
+        };
         let frame = self.begin(view, settings, true)?;
         let (targets, done) = match window.targets.take() {
             Some((targets, old)) if old == size => (targets, done),
@@ -102,14 +111,32 @@ impl GpuRenderer {
                 let target = view_of(&texture.texture);
                 let [width, height] = window.size_px();
                 let region = Region { width: width.min(size[0]), height: height.min(size[1]), ..region };
-                let inputs = [&targets.sums[(end % 2) as usize], self.ground.light(&frame)];
-                draw.resolve(&window.pipeline, inputs, &target, region, end);
+                let inputs = [&targets.sums[(end % 2) as usize], self.ground.light(&frame), &text];
+                let layout = &self.pipelines.present_layout;
+                draw.resolve((&window.pipeline, layout), &inputs, &target, region, end);
                 self.gpu.queue.present(texture);
                 Ok(())
             })?;
         }
         window.targets = Some((targets, size));
+        window.text = Some(text);
         Ok(())
+    }
+
+    /// What is written over a picture, as a texture of its size; one clear texel if that is nothing.
+    fn text(&mut self, view: &View, with_labels: bool) -> Result<wgpu::TextureView> {
+        let mut layer = Image { width: 1, height: 1, rgba: vec![0; 4] };
+        if let Some(scene) = self.scene.clone().filter(|scene| !scene.overlay.is_empty()) {
+            let region = view.region();
+            layer = Image { width: region.width, height: region.height, rgba: zeroed(region, 4)? };
+            self.write(&mut layer, &scene, view, with_labels)?;
+        }
+        self.gpu.guard("writing the text", || {
+            let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+            let texture = self.gpu.texture("text", [layer.width, layer.height], TEXT_FORMAT, usage);
+            write_rows(&self.gpu, &texture, 0, [layer.width, layer.height], &layer.rgba);
+            Ok(view_of(&texture))
+        })
     }
 
     /// The texture to show next; `None` if the window does not take one now.
