@@ -49,7 +49,9 @@ fn primitive_distance(index: u32, p: vec3<f32>) -> f32 {
     let from_center = p - first.xyz;
     let y = dot(from_center, second.xyz);
     let across = length(from_center - second.xyz * y);
-    let is_round = select(first.w < 0.0, second.w < 0.0, y > 0.0);
+    let round_a = first.w < 0.0;
+    let round_b = second.w < 0.0;
+    let is_round = select(round_a, round_b, y > 0.0);
     return stick_distance(across, y, abs(second.w), radius, is_round);
 }
 

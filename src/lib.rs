@@ -79,7 +79,7 @@
 //! - Without hydrogens, which nitrogen of an azole carries one, and keto or enol, is guessed from lengths: about 3 % of such molecules
 //!   come out as the other form.
 //! - Outlines are missing.
-//! - On a GPU whose textures are too small for the primitives, or for the tubes of one sample's directions (about 150,000 atoms
+//! - On a GPU whose textures are too small for the primitives, or for the tubes of one sample's directions (about 200,000 atoms
 //!   where 2048 texels a side are all), there is no ambient occlusion and no shadow on the molecule.
 //! - A see-through primitive of opacity 0.5 and more throws a full shadow. See-through ones seen through one another take their
 //!   samples each by its id, so that two may show a little more or less than they would by the rules of glass; with 4 samples

@@ -130,12 +130,11 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Of a scene's primitives, numbered as there. What is hardly there hides nothing.
+    /// Of all these primitives, numbered as there.
     #[must_use]
     pub fn new(solids: &Solids) -> Bounds {
         let numbers = (0..u32::try_from(solids.len()).unwrap_or(u32::MAX)).into_par_iter().with_min_len(4096);
-        let casting = numbers.filter(|&i| solids.is_drawn(i as usize, 0, 1));
-        Bounds::with_width(casting.map(|i| (i, Bound::of(solids, i as usize))).collect())
+        Bounds::with_width(numbers.map(|i| (i, Bound::of(solids, i as usize))).collect())
     }
 
     /// Of the primitives in this order, numbered by their place in it.
@@ -247,5 +246,84 @@ impl Tubes {
             (Some(&from), Some(&to)) => &self.list[from as usize..to as usize],
             _ => &[],
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::cpu::intersect::primitive_t;
+    use crate::render::sky::directions;
+    use crate::render::solids::Sphere;
+    use crate::render::test_shapes::Random;
+    use crate::render::test_solids::{Drawn, random_drawn};
+    use crate::scene::Ray;
+
+    /// Some of every kind but sticks, all over a cube of 20 Å.
+    fn some(seed: u64) -> Solids {
+        let mut random = Random(seed);
+        let mut solids = Solids::default();
+        for i in 0..240 {
+            let center = glam::DVec3::from_array(std::array::from_fn(|_| random.between(-10.0, 10.0)));
+            if i % 4 == 3 {
+                solids.spheres.push(Sphere { center: center.as_vec3(), radius: random.between(0.2, 1.0) as f32 });
+                continue;
+            }
+            match random_drawn(&mut random, i % 4, center) {
+                Drawn::Cone(cone) => solids.cones.push(cone),
+                Drawn::Torus(torus) => solids.tori.push(torus),
+                Drawn::Triangle(triangle) => solids.triangles.push(triangle),
+            }
+        }
+        solids
+    }
+
+    #[test]
+    fn whatever_a_ray_meets_is_in_its_tube_and_reaches_higher() {
+        let (solids, center) = (some(5), Vec3::new(1.0, -2.0, 0.5));
+        let mut random = Random(6);
+        let mut met = 0;
+        for tubes in tubes(&Bounds::new(&solids), center, &directions(30)) {
+            for _ in 0..300 {
+                let origin = Vec3::from_array(std::array::from_fn(|_| random.between(-10.0, 10.0) as f32));
+                let (ray, p) = (Ray { origin, direction: tubes.toward }, origin - center);
+                let list = tubes.at(p.dot(tubes.right), p.dot(tubes.up));
+                for index in 0..solids.len() {
+                    if primitive_t(&ray, &solids, index, 0.0).is_finite() {
+                        met += 1;
+                        assert!(list.contains(&(index as u32)), "{:?}", solids.primitive(index));
+                        assert!(Bound::of(&solids, index).top(tubes.toward) > origin.dot(tubes.toward) - 1e-4);
+                    }
+                }
+            }
+        }
+        assert!(met > 3000, "{met}");
+    }
+
+    #[test]
+    fn lists_run_from_the_highest_down_and_hold_nothing_from_elsewhere() {
+        let solids = some(7);
+        let bounds = Bounds::new(&solids);
+        let (mut listed, all) = (0, tubes(&bounds, Vec3::ZERO, &directions(20)));
+        for tubes in &all {
+            for tube in 0..(tubes.size[0] * tubes.size[1]) as usize {
+                let tops = tubes.of(tube).iter().map(|&i| Bound::of(&solids, i as usize).top(tubes.toward));
+                assert!(tops.collect::<Vec<_>>().is_sorted_by(|a, b| a >= &(b - 1e-4)));
+            }
+            listed += tubes.list.len();
+        }
+        // A tube is wider than most primitives are long: few are in more than four.
+        assert!(listed < 5 * all.len() * solids.len(), "{listed} for {}", all.len() * solids.len());
+    }
+
+    #[test]
+    fn an_order_numbers_by_its_places() {
+        let solids = some(8);
+        let order: Vec<u32> = (0..solids.len() as u32).rev().collect();
+        let [plain, turned] = [Bounds::new(&solids), Bounds::in_order(&solids, &order)]
+            .map(|bounds| tubes(&bounds, Vec3::ZERO, &[Vec3::Y]).remove(0));
+        let renumbered: Vec<u32> = turned.list.iter().map(|&place| order[place as usize]).collect();
+        assert_eq!(plain.list, renumbered);
+        assert!(tubes(&Bounds::default(), Vec3::ZERO, &[Vec3::Y]).is_empty());
     }
 }

@@ -169,23 +169,6 @@ fn judge_finished(want: &Image, got: &Image, seen: [&GBuffer; 2]) -> Result<(f64
     Ok((mean, part))
 }
 
-/// Whether the tiles of the CPU renderer draw all of a scene; they know opaque balls and sticks only.
-fn suits_tiles(scene: &Scene) -> bool {
-    scene.blocks.iter().all(|block| {
-        let opaque =
-            block.spheres.iter().all(|s| s.color.a == 255) && block.cylinders.iter().all(|c| c.color_a.a == 255);
-        opaque && block.cones.is_empty() && block.tori.is_empty() && block.triangles.is_empty()
-    })
-}
-
-/// The CPU's picture: of its tiles, or of the reference where they do not draw everything.
-fn cpu_image(cpu: &mut CpuRenderer, scene: &Scene, view: &View, settings: &Settings) -> Result<Image, String> {
-    if suits_tiles(scene) {
-        return cpu.image(view, settings).map_err(|error| error.to_string());
-    }
-    Ok(reference::image(scene, view, settings))
-}
-
 /// Both renderers on one scene; the message says what differs.
 fn judge(gpu: &mut GpuRenderer, name: &str, scene: &Arc<Scene>, view: &View) -> Result<(), String> {
     judge_with(gpu, name, scene, view, &QUICK)
@@ -202,12 +185,11 @@ fn judge_with(
     let mut cpu = CpuRenderer::new();
     cpu.load(Arc::clone(scene)).map_err(failed)?;
     gpu.load(Arc::clone(scene)).map_err(failed)?;
-    let want = if suits_tiles(scene) { cpu.gbuffer(view).map_err(failed)? } else { reference::gbuffer(scene, view) };
-    let got = gpu.gbuffer(view).map_err(failed)?;
+    let (want, got) = (cpu.gbuffer(view).map_err(failed)?, gpu.gbuffer(view).map_err(failed)?);
     let surfaces = judge_surfaces(&want, &got)?;
-    let images = (cpu_image(&mut cpu, scene, view, &SETTINGS)?, gpu.image(view, &SETTINGS).map_err(failed)?);
+    let images = (cpu.image(view, &SETTINGS).map_err(failed)?, gpu.image(view, &SETTINGS).map_err(failed)?);
     let colors = judge_colors(&images.0, &images.1, [&want, &got])?;
-    let images = (cpu_image(&mut cpu, scene, view, finished)?, gpu.image(view, finished).map_err(failed)?);
+    let images = (cpu.image(view, finished).map_err(failed)?, gpu.image(view, finished).map_err(failed)?);
     let (mean, part) = judge_finished(&images.0, &images.1, [&want, &got])?;
     println!("{name}: finished {mean:.3}/255 apart in the mean, {:.3} % within 4/255", 100.0 * part);
     println!(
@@ -307,7 +289,7 @@ fn gpu_and_cpu_write_the_same_text() {
     let labels = LabelContent { element: true, index: true, ..LabelContent::default() };
     let overlay = OverlayOptions { labels, legend: true, scale_bar: true, ..OverlayOptions::default() };
     let pictures = [OverlayOptions::default(), overlay].map(|overlay| {
-        let options = SceneOptions { overlay, background: Background::Transparent, ..SceneOptions::default() };
+        let options = SceneOptions { text: overlay, background: Background::Transparent, ..SceneOptions::default() };
         let scene = Arc::new(Scene::new(&[Item::of(&molecule)], &options));
         let view = View::new(scene.fitted_camera(16.0 / 9.0), 480, 270);
         cpu.load(Arc::clone(&scene)).unwrap();

@@ -290,10 +290,13 @@ fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Starts, free:
                 if cylinder.center.dot(d) + cylinder.half_length * cosine.abs() + cylinder.radius <= low {
                     break;
                 }
-                let mut left = match cylinder.is_open() {
-                    true => behind_other(solids, index, d, points, free),
-                    false => behind_cylinder(cylinder, cosine, index, d, points, free),
-                };
+                if cylinder.is_open() {
+                    if behind_other(solids, index, d, points, free) == 0 {
+                        break;
+                    }
+                    continue;
+                }
+                let mut left = behind_cylinder(cylinder, cosine, index, d, points, free);
                 for (end, round) in cylinder.ends().into_iter().zip(cylinder.round()) {
                     if round {
                         left = behind_sphere(end, cylinder.radius, index, d, points, free);
@@ -333,18 +336,17 @@ fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Starts, fre
     left
 }
 
-/// Clears the lanes that any primitive hides the light from, one by one; bits of those that are left. A torus and the inside of an
-/// open stick may hide themselves; so would a triangle whose normal is not its plane's, if it were asked.
+/// Clears the lanes that any primitive hides the light from, one by one; bits of those that are left. A torus, the inside of
+/// an open stick, and a triangle whose normals are not its plane's may hide themselves.
 #[inline(never)]
 fn behind_other(solids: &Solids, index: u32, d: Vec3, points: &Starts, free: &mut Mask) -> u32 {
-    let is_convex = matches!(solids.primitive(index as usize), Primitive::Cone(_) | Primitive::Triangle(_));
+    let is_convex = matches!(solids.primitive(index as usize), Primitive::Cone(_));
     let mut left = 0;
     for lane in 0..LANES {
         if free[lane] != 0 && !(is_convex && points.own[lane] == index) {
             let origin = Vec3::from(points.position.map(|axis| axis[lane]));
-            if primitive_t(&Ray { origin, direction: d }, solids, index as usize, 0.0).is_finite() {
-                free[lane] = 0;
-            }
+            let ray = Ray { origin, direction: d };
+            free[lane] = if primitive_t(&ray, solids, index as usize, 0.0).is_finite() { 0 } else { free[lane] };
         }
         left |= free[lane];
     }

@@ -79,8 +79,7 @@ const UNASKED: Reach = Reach { open: -1.0, key: -2.0 };
 fn ask(scene: &Scene, sky: &Turns, key: &Turns, points: &[(Vec3, Vec3)]) -> Vec<Reach> {
     let solids = Solids::new(scene, Affine3A::IDENTITY);
     let center = scene.bounds().center();
-    let bounds = Bounds::new(&solids);
-    let made = |turns: &Turns| (turns.clone(), tubes(&bounds, center, &turns.directions));
+    let made = |turns: &Turns| (turns.clone(), tubes(&Bounds::new(&solids), center, &turns.directions));
     let lights = Lights { sky: made(sky), key: made(key), center, ..Lights::default() };
     // A view with the world's axes, so that its space is the world's but for the eye.
     let camera = crate::scene::Camera {

@@ -1,6 +1,6 @@
 //! What every sample of a tile sees: a small depth buffer, filled front to back.
 //!
-//! A tile is 16 × 16 blocks of [`LANES`] samples. Each block knows the depth of its farthest sample, so that what lies behind
+//! A tile is 32 × 32 blocks of [`LANES`] samples. Each block knows the depth of its farthest sample, so that what lies behind
 //! it is left out at once. Ties in depth go to the first primitive, as in the reference.
 
 use super::binning::Candidate;
@@ -11,7 +11,7 @@ use crate::scene::{PixelGrid, Ray};
 use glam::Vec3;
 
 /// Blocks on a side of a tile, at most.
-pub(super) const SIDE: usize = 16;
+pub(super) const SIDE: usize = 32;
 
 /// The depth of a primitive along the ray of plane coordinates. (A trait, not a closure: it must be inlined wherever it is used.)
 trait DepthAt {

@@ -6,7 +6,7 @@
 //!
 //! Limits: nothing is asked, and all light taken to come as where it is not, where the primitives or the tubes of one sample do not
 //! fit the device's textures. With textures of 2048 texels a side, and the 16 samples and 64 directions of a still, those
-//! of about 150,000 atoms do.
+//! of about 200,000 atoms do.
 
 use super::device::{Gpu, view_of};
 use super::ground::{Casters, write_rows};

@@ -134,7 +134,7 @@ impl GpuRenderer {
         self.gpu.guard("writing the text", || {
             let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
             let texture = self.gpu.texture("text", [layer.width, layer.height], TEXT_FORMAT, usage);
-            write_rows(&self.gpu, &texture, [layer.width, layer.height], &layer.rgba);
+            write_rows(&self.gpu, &texture, 0, [layer.width, layer.height], &layer.rgba);
             Ok(view_of(&texture))
         })
     }
