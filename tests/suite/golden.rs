@@ -5,7 +5,7 @@
 
 use crate::scenes;
 use ballstick::render::cpu::{CpuRenderer, reference};
-use ballstick::render::{Image, Renderer, Settings};
+use ballstick::render::{GBuffer, Image, Renderer, Settings};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -85,13 +85,15 @@ fn every_golden_file_has_its_case() {
 }
 
 #[test]
-fn tiles_on_all_cores_give_the_reference_bit_for_bit() {
+fn tiles_on_all_cores_see_what_the_reference_sees_to_the_bit() {
     for case in scenes::all() {
         let scene = Arc::new(case.scene);
         let mut renderer = CpuRenderer::new();
         renderer.load(Arc::clone(&scene)).unwrap();
         let tiles = renderer.image(&case.view, &SETTINGS).unwrap();
-        assert_eq!(compare(&tiles, &reference::image(&scene, &case.view, &SETTINGS)), Ok(0), "{}", case.name);
+        // Colours are found from the place of the hit, not by solving again: a byte may be rounded the other way.
+        let apart = compare(&tiles, &reference::image(&scene, &case.view, &SETTINGS));
+        assert!(apart.as_ref().is_ok_and(|&most| most <= 1), "{}: {apart:?}", case.name);
         let (got, want) = (renderer.gbuffer(&case.view).unwrap(), reference::gbuffer(&scene, &case.view));
         assert_eq!(got, want, "{}", case.name);
     }
@@ -111,7 +113,12 @@ fn tiles_finish_the_picture_as_the_reference_does() {
         let plain = reference::image(&scene, &case.view, &SETTINGS);
         let covered = renderer.gbuffer(&case.view).unwrap();
         let apart = |a: &Image, b: &Image| {
-            let pixels = a.rgba.chunks(4).zip(b.rgba.chunks(4)).zip(&covered.id).filter(|(_, id)| **id != 0);
+            let pixels = a
+                .rgba
+                .chunks(4)
+                .zip(b.rgba.chunks(4))
+                .zip(&covered.id)
+                .filter(|(_, id)| !matches!(**id, GBuffer::BACKGROUND | GBuffer::GROUND));
             let each: Vec<u8> =
                 pixels.map(|((a, b), _)| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap()).collect();
             let mean = each.iter().map(|&d| f64::from(d)).sum::<f64>() / each.len() as f64;
@@ -119,7 +126,7 @@ fn tiles_finish_the_picture_as_the_reference_does() {
         };
         let (mean, share) = apart(&got, &want);
         println!("{name}: {mean:.3}/255 apart in the mean, {:.2} % within 4/255", 100.0 * share);
-        assert!(mean <= 1.0 && share >= 0.985, "{name}: {mean} {share}");
+        assert!(mean <= 1.0 && share >= 0.999, "{name}: {mean} {share}");
         assert!(apart(&plain, &want).0 > 1.0, "{name}: without light from afar it is another picture");
     }
 }
