@@ -331,7 +331,7 @@ fn adapters() -> Vec<Adapter> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::args::{AromaticArg, CellArg, ColorByArg, QualityArg, RendererArg, StyleArg};
+    use crate::cli::args::{AromaticArg, CellArg, ColorByArg, LookArg, QualityArg, RendererArg, StyleArg};
     use crate::structure::{AtomRecord, Cell, Diagnostics, StructureBuilder};
     use clap::ValueEnum;
 

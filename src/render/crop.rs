@@ -96,7 +96,7 @@ impl PixelBox {
     fn region(&self, view: &View) -> Option<Region> {
         let size = DVec2::new(f64::from(view.width), f64::from(view.height));
         let (low, high) = (self.low.floor().max(DVec2::ZERO), self.high.ceil().min(size));
-        (low.x < high.x && low.y < high.y).then(|| Region {
+        (low.x < high.x && low.y < high.y).then_some(Region {
             x: low.x as u32,
             y: low.y as u32,
             width: (high.x - low.x) as u32,

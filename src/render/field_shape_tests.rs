@@ -46,7 +46,8 @@ fn random_scene(seed: u64, count: u32, opacity: u8) -> Scene {
 fn surface(body: &Body, random: &mut Random) -> Vec<DVec3> {
     let mut points: Vec<DVec3> = (0..6000).map(|_| body.point(random)).collect();
     if let Body::Cone { center, axis, half, .. } = body {
-        for p in points[..3000].to_vec() {
+        let some: Vec<DVec3> = points[..3000].to_vec();
+        for p in some {
             let y = (p - *center).dot(*axis);
             if y.abs() > half - 1e-9 {
                 let on_axis = *center + *axis * y;

@@ -208,15 +208,14 @@ impl Questions<'_> {
     fn answer(&self, tubes: &Tubes, d: Vec3, asking: &mut Asking, blocks: &[Points]) {
         let Asking { seen, entries, first, used, .. } = asking;
         first.resize((BUCKETS * BUCKETS) as usize, NONE);
-        for at in 0..entries.len() {
-            let tube = entries[at].tube;
-            let bucket = (tube >> 16) % BUCKETS * BUCKETS + tube % BUCKETS;
+        for (entry, at) in entries.iter_mut().zip(0..) {
+            let bucket = (entry.tube >> 16) % BUCKETS * BUCKETS + entry.tube % BUCKETS;
             let head = &mut first[bucket as usize];
             if *head == NONE {
                 used.push(bucket);
             }
-            entries[at].next = *head;
-            *head = at as u32;
+            entry.next = *head;
+            *head = at;
         }
         let base = self.center_in_view.dot(d);
         while let Some(bucket) = used.pop() {

@@ -225,8 +225,8 @@ fn gather(shader: &Shader<'_>, place: &Place<'_>, tile: &Tile, sample: usize, [r
         samples.v[lane] = (center_px[1] - y) * plane_per_px;
     }
     let beyond = shader.ground_beyond(place.grid.orthographic, &samples.u, &samples.v);
-    for lane in 0..LANES {
-        samples.seen[lane] = (samples.t[lane] < f32::INFINITY) & (samples.t[lane] <= beyond[lane]);
+    for (lane, ground) in beyond.into_iter().enumerate() {
+        samples.seen[lane] = (samples.t[lane] < f32::INFINITY) & (samples.t[lane] <= ground);
     }
     samples
 }
@@ -310,17 +310,17 @@ fn surfaces(shader: &Shader<'_>, place: &Place<'_>, samples: Samples, group: [us
 #[inline(always)]
 fn others(shader: &Shader<'_>, place: &Place<'_>, samples: &Samples, points: &mut Points, albedo: &mut [Lanes; 3]) {
     let simple = (shader.solids.spheres.len() + shader.solids.cylinders.len()) as u32;
-    for lane in 0..LANES {
-        if samples.index[lane] < simple || !samples.seen[lane] {
+    for (lane, &index) in samples.index.iter().enumerate() {
+        if index < simple || !samples.seen[lane] {
             continue;
         }
         let ray = place.grid.ray((samples.u[lane], samples.v[lane]));
-        let surface = shader.surface(&ray, samples.index[lane], samples.t[lane]);
+        let surface = shader.surface(&ray, index, samples.t[lane]);
         let start = ray.origin + ray.direction * samples.t[lane] + surface.normal * START_OFFSET;
-        for part in 0..3 {
+        for (part, albedo) in albedo.iter_mut().enumerate() {
             points.position[part][lane] = start[part];
             points.normal[part][lane] = surface.normal[part];
-            albedo[part][lane] = surface.albedo[part];
+            albedo[lane] = surface.albedo[part];
         }
     }
 }
