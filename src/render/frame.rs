@@ -210,37 +210,98 @@ fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// Light from a point of the molecule, given what reaches it from afar; `direction` is the ray's, view space.
+/// See [`larger`].
 #[inline(always)]
+fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// Visible points of the molecule, one after the other: see [`Surface`] and [`Reach`].
+#[derive(Debug, Clone, Copy)]
+pub struct Surfaces<'a, const N: usize> {
+    /// Depth along the view axis.
+    pub depth: &'a [f32; N],
+    /// x, y and z of the unit normals.
+    pub normal: &'a [[f32; N]; 3],
+    /// Red, green and blue, linear.
+    pub albedo: &'a [[f32; N]; 3],
+    /// Part of the sky that reaches each point.
+    pub open: &'a [f32; N],
+    /// Part of the key light.
+    pub key: &'a [f32; N],
+    /// x and y of the rays' directions; z is −1.
+    pub direction: &'a [[f32; N]; 2],
+}
+
+/// Light from a point of the molecule, given what reaches it from afar; `direction` is the ray's, view space.
 #[must_use]
 pub fn shade_surface(frame: &FrameConstants, surface: &Surface, reach: Reach, direction: Vec3) -> Vec3 {
-    let row = |row: [f32; 4]| Vec4::from(row).truncate();
-    let n = surface.normal;
-    let to_eye = -direction * (1.0 / direction.dot(direction).sqrt());
-    let key = row(frame.key);
-    // The fill stands for light from all around, so what hides the sky hides it.
-    let open = frame.sky[0] + (1.0 - frame.sky[0]) * reach.open;
-    let lit = 1.0 - frame.sky[1] * (1.0 - reach.key);
-    let key_light = frame.key[3] * larger(n.dot(key), 0.0) * lit;
-    let fill_light = frame.fill[3] * larger(n.dot(row(frame.fill)), 0.0) * open;
-    let facing_up = 0.5 + 0.5 * n.dot(row(frame.up));
-    let ambient = (frame.ambient[0] + (frame.up[3] - frame.ambient[0]) * facing_up) * open;
-    let half = key + to_eye;
-    let half = half * (1.0 / larger(half.dot(half), 1e-12).sqrt());
-    // A surface turned from the light has no highlight. The power is made of squares: exact on every device, and fast.
-    let mut gloss = if n.dot(key) > 0.0 { larger(n.dot(half), 0.0) } else { 0.0 };
-    // Eight steps at most, without a branch: shading is done for many samples at once.
-    for step in 0..8u8 {
-        gloss = if f32::from(step) < frame.ambient[2] { gloss * gloss } else { gloss };
+    let one = |v: Vec3| v.to_array().map(|x| [x]);
+    let points = Surfaces {
+        depth: &[surface.depth],
+        normal: &one(surface.normal),
+        albedo: &one(surface.albedo),
+        open: &[reach.open],
+        key: &[reach.key],
+        direction: &[[direction.x], [direction.y]],
+    };
+    Vec3::from(shade_surfaces(frame, &points).map(|[part]| part))
+}
+
+/// [`shade_surface`] for many points. Written as short loops over numbers: the form that becomes vector code.
+#[inline(always)]
+#[must_use]
+pub fn shade_surfaces<const N: usize>(frame: &FrameConstants, points: &Surfaces<'_, N>) -> [[f32; N]; 3] {
+    let [key_x, key_y, key_z, key_strength] = frame.key;
+    let [fill_x, fill_y, fill_z, fill_strength] = frame.fill;
+    let [up_x, up_y, up_z, from_above] = frame.up;
+    let [from_below, specular, gloss_log2, _] = frame.ambient;
+    let (rim_strength, [floor, shadow, ..]) = (frame.key_in_world[3], frame.sky);
+    let [nx, ny, nz] = points.normal;
+    let [dx, dy] = points.direction;
+    // What the colour is multiplied with, and the highlight.
+    let (mut light, mut highlight) = ([0.0f32; N], [0.0f32; N]);
+    let mut half_way = [0.0f32; N];
+    for i in 0..N {
+        let over = 1.0 / (dx[i] * dx[i] + dy[i] * dy[i] + 1.0).sqrt();
+        let (ex, ey, ez) = (-dx[i] * over, -dy[i] * over, over);
+        // The fill stands for light from all around, so what hides the sky hides it.
+        let open = floor + (1.0 - floor) * points.open[i];
+        let lit = 1.0 - shadow * (1.0 - points.key[i]);
+        let to_key = nx[i] * key_x + ny[i] * key_y + nz[i] * key_z;
+        let to_fill = nx[i] * fill_x + ny[i] * fill_y + nz[i] * fill_z;
+        let key_light = key_strength * larger(to_key, 0.0) * lit;
+        let fill_light = fill_strength * larger(to_fill, 0.0) * open;
+        let facing_up = 0.5 + 0.5 * (nx[i] * up_x + ny[i] * up_y + nz[i] * up_z);
+        let ambient = (from_below + (from_above - from_below) * facing_up) * open;
+        // Towards its silhouette a surface darkens, so that white atoms stay round on a white page.
+        let facing = nx[i] * ex + ny[i] * ey + nz[i] * ez;
+        let aside = 1.0 - smaller(larger(facing, 0.0), 1.0);
+        let rim = 1.0 - rim_strength * aside * aside;
+        light[i] = (ambient + (key_light + fill_light)) * rim;
+        let (hx, hy, hz) = (key_x + ex, key_y + ey, key_z + ez);
+        let half = (nx[i] * hx + ny[i] * hy + nz[i] * hz) / larger(hx * hx + hy * hy + hz * hz, 1e-12).sqrt();
+        // A surface turned from the light has no highlight.
+        half_way[i] = if to_key > 0.0 { larger(half, 0.0) } else { 0.0 };
+        highlight[i] = specular * lit;
     }
-    let highlight = frame.ambient[1] * gloss * lit;
-    // Towards its silhouette a surface darkens, so that white atoms stay round on a white page.
-    let aside = 1.0 - n.dot(to_eye).clamp(0.0, 1.0);
-    let rim = 1.0 - frame.key_in_world[3] * aside * aside;
-    let color = surface.albedo * ((ambient + (key_light + fill_light)) * rim) + highlight;
-    let behind = ((surface.depth - frame.depth[0]) * frame.depth[1]).clamp(0.0, 1.0);
-    let fog = frame.background[3] * behind * behind;
-    color + (row(frame.background) - color) * fog
+    // The power is made of squares: exact on every device, and fast.
+    for _ in 0..gloss_log2 as u32 {
+        for gloss in &mut half_way {
+            *gloss *= *gloss;
+        }
+    }
+    let mut color = [[0.0f32; N]; 3];
+    for (part, color) in color.iter_mut().enumerate() {
+        let (background, fog_strength) = (frame.background[part], frame.background[3]);
+        let albedo = &points.albedo[part];
+        for i in 0..N {
+            let behind = smaller(larger((points.depth[i] - frame.depth[0]) * frame.depth[1], 0.0), 1.0);
+            let shaded = albedo[i] * light[i] + highlight[i] * half_way[i];
+            color[i] = shaded + (background - shaded) * (fog_strength * behind * behind);
+        }
+    }
+    color
 }
 
 /// How much of the ground there is at a world point, 0–1.

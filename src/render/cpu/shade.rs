@@ -10,8 +10,8 @@ use super::lanes::{LANES, Lanes, max, min};
 use super::reach::{Asking, NOBODY, Points, Questions};
 use super::shader::Shader;
 use super::tile::{Place, SIDE, Tile};
-use crate::render::frame::{Surface, shade_surface};
-use crate::render::sky::{Reach, START_OFFSET};
+use crate::render::frame::{self, shade_surfaces};
+use crate::render::sky::START_OFFSET;
 use crate::render::solids::Primitive;
 use crate::scene::PixelGrid;
 use glam::Vec3;
@@ -330,23 +330,22 @@ fn others(shader: &Shader<'_>, place: &Place<'_>, samples: &Samples, points: &mu
 fn light(shader: &Shader<'_>, parallel: bool, surfaces: &Surfaces, points: &Points) -> [Lanes; 3] {
     let Surfaces { samples, albedo, .. } = surfaces;
     let (unasked, slope) = (shader.frame.unasked(), if parallel { 0.0 } else { 1.0 });
-    let mut light = [[0.0f32; LANES]; 3];
+    let (mut open, mut key, mut direction) = ([0.0f32; LANES], [0.0f32; LANES], [[0.0f32; LANES]; 2]);
+    let mut seen = [0.0f32; LANES];
     for lane in 0..LANES {
-        let direction = Vec3::new(samples.u[lane] * slope, samples.v[lane] * slope, -1.0);
-        let surface = Surface {
-            depth: samples.t[lane],
-            normal: Vec3::new(points.normal[0][lane], points.normal[1][lane], points.normal[2][lane]),
-            albedo: Vec3::new(albedo[0][lane], albedo[1][lane], albedo[2][lane]),
-        };
-        let asks = points.asks[lane] > 0.0;
-        let reach = Reach {
-            open: if asks { points.told[0][lane] } else { unasked.open },
-            key: if asks { points.told[1][lane] } else { unasked.key },
-        };
-        let color = shade_surface(shader.frame, &surface, reach, direction);
-        light[0][lane] = if samples.seen[lane] { color.x } else { 0.0 };
-        light[1][lane] = if samples.seen[lane] { color.y } else { 0.0 };
-        light[2][lane] = if samples.seen[lane] { color.z } else { 0.0 };
+        open[lane] = if points.asks[lane] > 0.0 { points.told[0][lane] } else { unasked.open };
+        key[lane] = if points.asks[lane] > 0.0 { points.told[1][lane] } else { unasked.key };
+        direction[0][lane] = samples.u[lane] * slope;
+        direction[1][lane] = samples.v[lane] * slope;
+        seen[lane] = if samples.seen[lane] { 1.0 } else { 0.0 };
+    }
+    let (depth, normal) = (&samples.t, &points.normal);
+    let told = frame::Surfaces { depth, normal, albedo, open: &open, key: &key, direction: &direction };
+    let mut light = shade_surfaces(shader.frame, &told);
+    for part in &mut light {
+        for lane in 0..LANES {
+            part[lane] = if seen[lane] > 0.0 { part[lane] } else { 0.0 };
+        }
     }
     light
 }

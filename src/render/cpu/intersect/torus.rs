@@ -12,7 +12,7 @@ use crate::render::solids::Torus;
 use crate::scene::Ray;
 use glam::{Vec2, Vec3};
 
-/// Steps of a march at most. Random rays need up to 30 (the tests print it); a ray that has not arrived then runs along
+/// Steps of a march at most. Chosen, well beyond what the property tests need; a ray that has not arrived then runs along
 /// the tube, less than a hundred-thousandth of its radius away from touching it.
 const MOST_STEPS: u32 = 96;
 
