@@ -79,6 +79,8 @@
 //! - Without hydrogens, which nitrogen of an azole carries one, and keto or enol, is guessed from lengths: about 3 % of such molecules
 //!   come out as the other form.
 //! - Outlines are missing.
+//! - Finished pictures of large structures take time and memory for the light from afar: about 300 MB at 100,000 atoms, 2.5 GB at
+//!   1,000,000. `--quality draft` goes without.
 //! - On a GPU whose textures are too small for the primitives, or for the tubes of one sample's directions (about 200,000 atoms
 //!   where 2048 texels a side are all), there is no ambient occlusion and no shadow on the molecule.
 //! - A see-through primitive of opacity 0.5 and more throws a full shadow. See-through ones seen through one another take their
