@@ -2,6 +2,20 @@
 
 use glam::{Mat3, Vec3};
 
+/// The smaller of two numbers, the second beside NaN: one instruction, where `f32::min` takes several for NaN's sake.
+#[inline(always)]
+#[must_use]
+pub fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The larger of two numbers, the second beside NaN. See [`min`].
+#[inline(always)]
+#[must_use]
+pub fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
 /// An axis-aligned box. The empty one has `min > max`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Aabb {

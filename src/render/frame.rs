@@ -5,6 +5,7 @@
 use super::settings::{Settings, View};
 use super::sky::Reach;
 use crate::color::{Srgb8, srgb_from_linear};
+use crate::math::{max, min};
 use crate::scene::{Background, Scene};
 use glam::{Affine3A, Vec3, Vec4};
 
@@ -204,18 +205,6 @@ pub struct Surface {
     pub albedo: Vec3,
 }
 
-/// `f32::max` keeps a number beside NaN, which costs; this becomes one instruction.
-#[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// See [`larger`].
-#[inline(always)]
-fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
 /// Visible points of the molecule, one after the other: see [`Surface`] and [`Reach`].
 #[derive(Debug, Clone, Copy)]
 pub struct Surfaces<'a, const N: usize> {
@@ -270,19 +259,19 @@ pub fn shade_surfaces<const N: usize>(frame: &FrameConstants, points: &Surfaces<
         let lit = 1.0 - shadow * (1.0 - points.key[i]);
         let to_key = nx[i] * key_x + ny[i] * key_y + nz[i] * key_z;
         let to_fill = nx[i] * fill_x + ny[i] * fill_y + nz[i] * fill_z;
-        let key_light = key_strength * larger(to_key, 0.0) * lit;
-        let fill_light = fill_strength * larger(to_fill, 0.0) * open;
+        let key_light = key_strength * max(to_key, 0.0) * lit;
+        let fill_light = fill_strength * max(to_fill, 0.0) * open;
         let facing_up = 0.5 + 0.5 * (nx[i] * up_x + ny[i] * up_y + nz[i] * up_z);
         let ambient = (from_below + (from_above - from_below) * facing_up) * open;
         // Towards its silhouette a surface darkens, so that white atoms stay round on a white page.
         let facing = nx[i] * ex + ny[i] * ey + nz[i] * ez;
-        let aside = 1.0 - smaller(larger(facing, 0.0), 1.0);
+        let aside = 1.0 - min(max(facing, 0.0), 1.0);
         let rim = 1.0 - rim_strength * aside * aside;
         light[i] = (ambient + (key_light + fill_light)) * rim;
         let (hx, hy, hz) = (key_x + ex, key_y + ey, key_z + ez);
-        let half = (nx[i] * hx + ny[i] * hy + nz[i] * hz) / larger(hx * hx + hy * hy + hz * hz, 1e-12).sqrt();
+        let half = (nx[i] * hx + ny[i] * hy + nz[i] * hz) / max(hx * hx + hy * hy + hz * hz, 1e-12).sqrt();
         // A surface turned from the light has no highlight.
-        half_way[i] = if to_key > 0.0 { larger(half, 0.0) } else { 0.0 };
+        half_way[i] = if to_key > 0.0 { max(half, 0.0) } else { 0.0 };
         highlight[i] = specular * lit;
     }
     // The power is made of squares: exact on every device, and fast.
@@ -296,7 +285,7 @@ pub fn shade_surfaces<const N: usize>(frame: &FrameConstants, points: &Surfaces<
         let (background, fog_strength) = (frame.background[part], frame.background[3]);
         let albedo = &points.albedo[part];
         for i in 0..N {
-            let behind = smaller(larger((points.depth[i] - frame.depth[0]) * frame.depth[1], 0.0), 1.0);
+            let behind = min(max((points.depth[i] - frame.depth[0]) * frame.depth[1], 0.0), 1.0);
             let shaded = albedo[i] * light[i] + highlight[i] * half_way[i];
             color[i] = shaded + (background - shaded) * (fog_strength * behind * behind);
         }

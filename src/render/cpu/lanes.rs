@@ -71,18 +71,6 @@ impl Pass {
     }
 }
 
-/// `f32::min` and `max` keep a number beside NaN, which costs; these become one instruction.
-#[inline(always)]
-pub(super) fn min(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// See [`min`].
-#[inline(always)]
-pub(super) fn max(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
 /// A whole number of 0 to 2²³ − 1, rounded: its bits after 2²³ was added. A cast would check for more.
 #[inline(always)]
 pub(super) fn whole(x: f32) -> u32 {

@@ -1,7 +1,8 @@
 //! Light from afar for sixteen points at a time: the tubes of a scene, and which of the points see the light along them.
 
 use super::intersect::primitive_t;
-use super::lanes::{LANES, Lanes, max, min, whole};
+use super::lanes::{LANES, Lanes, whole};
+use crate::math::{max, min};
 use crate::render::frame::FrameConstants;
 use crate::render::settings::{Settings, View};
 use crate::render::sky::{Reach, Turns};

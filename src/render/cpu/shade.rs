@@ -6,10 +6,11 @@
 //! stick whose axis has no length. The normal comes from the hit's place, not from solving again, so that it is off by
 //! the rounding of the depth: 1e-4 of a stick's radius at 100 Å, less than a colour can show.
 
-use super::lanes::{LANES, Lanes, max, min};
+use super::lanes::{LANES, Lanes};
 use super::reach::{Asking, NOBODY, Points, Questions};
 use super::shader::Shader;
 use super::tile::{Place, SIDE, Tile};
+use crate::math::{max, min};
 use crate::render::frame::{self, shade_surfaces};
 use crate::render::sky::START_OFFSET;
 use crate::render::solids::Primitive;

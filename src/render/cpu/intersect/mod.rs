@@ -18,6 +18,7 @@ pub use sphere::{sphere_normal, sphere_t};
 pub use torus::{torus_normal, torus_t};
 pub use triangle::{triangle_normal, triangle_t, triangle_weights};
 
+use crate::math::{max, min};
 use crate::render::solids::{Primitive, Solids};
 use crate::scene::Ray;
 use glam::{Mat3, Vec3};
@@ -26,16 +27,6 @@ use glam::{Mat3, Vec3};
 #[inline(always)]
 fn select(condition: bool, a: f32, b: f32) -> f32 {
     if condition { a } else { b }
-}
-
-#[inline(always)]
-fn min(a: f32, b: f32) -> f32 {
-    select(a < b, a, b)
-}
-
-#[inline(always)]
-fn max(a: f32, b: f32) -> f32 {
-    select(a > b, a, b)
 }
 
 /// Where a solid's entry and exit give a hit at or beyond `near`: the entry, or `near` inside the solid, else infinity.
