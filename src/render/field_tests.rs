@@ -36,7 +36,7 @@ fn random_scene(seed: u64, count: u32) -> Scene {
             color_a: Srgb8::WHITE,
             color_b: Srgb8::WHITE,
             caps: caps[0] | caps[1] << 2,
-            reserved: 0,
+            hidden: 0,
         }
     });
     scene(spheres, sticks.collect())

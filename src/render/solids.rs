@@ -32,6 +32,8 @@ pub struct Cylinder {
     pub radius: f32,
     /// Cap of end a (y = −half_length), and of end b times 4, as [`crate::scene::Cap`].
     pub caps: u32,
+    /// Which caps lie inside of balls, as [`CylinderInstance::hidden`].
+    pub hidden: u32,
 }
 
 impl Sphere {
@@ -65,6 +67,7 @@ impl Cylinder {
             half_length: length * 0.5,
             radius: instance.radius,
             caps: instance.caps,
+            hidden: instance.hidden,
         })
     }
 

@@ -249,7 +249,7 @@ pub(in crate::render) fn cylinder(
         color_a: Srgb8::WHITE,
         color_b: Srgb8::WHITE,
         caps: caps[0] | caps[1] << 2,
-        reserved: 0,
+        hidden: 0,
     };
     Cylinder::new(&instance, &Affine3A::from_translation(center.as_vec3()))
 }

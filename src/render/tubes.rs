@@ -10,6 +10,7 @@
 
 use super::sky::across;
 use super::solids::{Primitive, Solids};
+use crate::math::{max, min};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -111,6 +112,17 @@ impl Bound {
         self.middle.dot(direction) + self.reach(direction)[1]
     }
 
+    /// Where it lies along three axes at right angles, relative to a point.
+    #[must_use]
+    pub fn span(&self, center: Vec3, axes: [Vec3; 3]) -> Span {
+        let p = self.middle - center;
+        let [across, along, above] = axes.map(|d| {
+            let (at, [before, beyond]) = (p.dot(d), self.reach(d));
+            [at + before, at + beyond]
+        });
+        Span { low: [across[0], along[0]], high: [across[1], along[1]], top: above[1] }
+    }
+
     /// About half its length.
     fn size(&self) -> f32 {
         match self.shape {
@@ -121,10 +133,10 @@ impl Bound {
     }
 }
 
-/// Bounds of the primitives that hide the light, each with its number in the lists.
+/// Bounds of the primitives that hide the light; the lists number them by their place here.
 #[derive(Debug, Clone, Default)]
 pub struct Bounds {
-    all: Vec<(u32, Bound)>,
+    all: Vec<Bound>,
     /// Width of a tube in ångström.
     width: f32,
 }
@@ -133,21 +145,19 @@ impl Bounds {
     /// Of all these primitives, numbered as there.
     #[must_use]
     pub fn new(solids: &Solids) -> Bounds {
-        let numbers = (0..u32::try_from(solids.len()).unwrap_or(u32::MAX)).into_par_iter().with_min_len(4096);
-        Bounds::with_width(numbers.map(|i| (i, Bound::of(solids, i as usize))).collect())
+        Bounds::with_width((0..solids.len()).into_par_iter().with_min_len(4096).map(|i| Bound::of(solids, i)).collect())
     }
 
     /// Of the primitives in this order, numbered by their place in it.
     #[must_use]
     pub fn in_order(solids: &Solids, order: &[u32]) -> Bounds {
-        let order = order.par_iter().with_min_len(4096).enumerate();
-        Bounds::with_width(order.map(|(place, &i)| (place as u32, Bound::of(solids, i as usize))).collect())
+        let order = order.par_iter().with_min_len(4096);
+        Bounds::with_width(order.map(|&i| Bound::of(solids, i as usize)).collect())
     }
 
-    fn with_width(all: Vec<(u32, Bound)>) -> Bounds {
-        // Tubes about as wide as a primitive is long: wider ones hold more than they need, narrower ones hold each many times.
-        let mean = all.iter().map(|(_, bound)| f64::from(bound.size())).sum::<f64>() / all.len().max(1) as f64;
-        Bounds { all, width: (WIDTH * mean as f32).max(1e-3) }
+    fn with_width(all: Vec<Bound>) -> Bounds {
+        let width = width(all.iter().copied());
+        Bounds { all, width }
     }
 
     /// Whether nothing hides the light.
@@ -155,6 +165,20 @@ impl Bounds {
     pub fn is_empty(&self) -> bool {
         self.all.is_empty()
     }
+}
+
+/// The width of tubes for these primitives in ångström: about as wide as they are long. Wider ones hold more than they need,
+/// narrower ones hold each many times.
+fn width(bounds: impl ExactSizeIterator<Item = Bound>) -> f32 {
+    let count = bounds.len().max(1) as f64;
+    let mean = bounds.map(|bound| f64::from(bound.size())).sum::<f64>() / count;
+    (WIDTH * mean as f32).max(1e-3)
+}
+
+/// See [`width`].
+#[must_use]
+pub fn width_of(solids: &Solids) -> f32 {
+    width((0..solids.len()).map(|index| Bound::of(solids, index)))
 }
 
 /// Tubes along each direction; `center` is that of the bounds' space to which points will be relative.
@@ -172,60 +196,75 @@ const WIDTH: f32 = 2.5;
 /// No grid has more tubes on a side.
 const MOST_TUBES: f32 = 1024.0;
 
+/// Where a primitive lies across a direction, and how high it reaches along it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span {
+    /// Along `right` and `up`.
+    pub low: [f32; 2],
+    /// See `low`.
+    pub high: [f32; 2],
+    /// The lists run from the highest down.
+    pub top: f32,
+}
+
+impl Span {
+    /// The smallest around both.
+    #[must_use]
+    pub fn union(self, other: Span) -> Span {
+        Span {
+            low: [0, 1].map(|axis| min(self.low[axis], other.low[axis])),
+            high: [0, 1].map(|axis| max(self.high[axis], other.high[axis])),
+            top: max(self.top, other.top),
+        }
+    }
+}
+
 impl Tubes {
     fn new(bounds: &Bounds, center: Vec3, toward: Vec3) -> Tubes {
         let [right, up] = across(toward);
-        // Where each primitive lies across the direction, and how high it reaches.
-        let boxes: Vec<[f32; 5]> = bounds
-            .all
-            .iter()
-            .map(|(_, bound)| {
-                let p = bound.middle - center;
-                let (x, y) = (p.dot(right), p.dot(up));
-                let [across, along, above] = [right, up, toward].map(|d| bound.reach(d));
-                [x + across[0], y + along[0], x + across[1], y + along[1], p.dot(toward) + above[1]]
-            })
-            .collect();
+        let spans: Vec<Span> = bounds.all.iter().map(|bound| bound.span(center, [right, up, toward])).collect();
+        Tubes::of_spans(&spans, bounds.width, [right, up, toward])
+    }
+
+    /// Of primitives with these spans along the axes `right`, `up` and `toward`, numbered by their place; a tube is `width`
+    /// ångström wide.
+    #[must_use]
+    pub fn of_spans(spans: &[Span], width: f32, [right, up, toward]: [Vec3; 3]) -> Tubes {
         let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
-        for b in &boxes {
+        for span in spans {
             for axis in 0..2 {
-                low[axis] = low[axis].min(b[axis]);
-                high[axis] = high[axis].max(b[axis + 2]);
+                low[axis] = min(span.low[axis], low[axis]);
+                high[axis] = max(span.high[axis], high[axis]);
             }
         }
         let extent = (high[0] - low[0]).max(high[1] - low[1]).max(1e-6);
-        let width = bounds.width.max(extent / MOST_TUBES);
-        let per_angstrom = 1.0 / width;
+        let per_angstrom = 1.0 / width.max(extent / MOST_TUBES);
         let size = [0, 1].map(|axis| ((high[axis] - low[axis]) * per_angstrom) as u32 + 1);
         let tube = |x: f32, axis: usize| (((x - low[axis]) * per_angstrom) as u32).min(size[axis] - 1);
-        let covered = |b: &[f32; 5]| {
-            let columns = tube(b[0], 0)..=tube(b[2], 0);
-            (tube(b[1], 1)..=tube(b[3], 1)).flat_map(move |y| columns.clone().map(move |x| (y * size[0] + x) as usize))
-        };
+        // First and last row, first and last column.
+        let covered =
+            |span: &Span| [tube(span.low[1], 1), tube(span.high[1], 1), tube(span.low[0], 0), tube(span.high[0], 0)];
+        let covered: Vec<[u16; 4]> = spans.iter().map(|span| covered(span).map(|tube| tube as u16)).collect();
         let mut first = vec![0u32; (size[0] * size[1]) as usize + 1];
-        for b in &boxes {
-            for tube in covered(b) {
-                first[tube + 1] += 1;
-            }
+        let columns = size[0] as usize;
+        for tubes in &covered {
+            for_each_tube(tubes, columns, |tube, counts| first[tube + 1] += counts);
         }
         for i in 1..first.len() {
             first[i] += first[i - 1];
         }
         let mut next = first.clone();
-        let mut keyed = vec![0u64; first.last().map_or(0, |&n| n as usize)];
-        for (&(index, _), b) in bounds.all.iter().zip(&boxes) {
-            // The highest first: order of the bits of a float, turned about.
-            let bits = b[4].to_bits();
-            let key = u64::from(if bits >> 31 == 0 { !(bits | 1 << 31) } else { bits }) << 32 | u64::from(index);
-            for tube in covered(b) {
-                keyed[next[tube] as usize] = key;
-                next[tube] += 1;
-            }
+        let mut list = vec![0u32; first.last().map_or(0, |&n| n as usize)];
+        for index in highest_first(spans) {
+            for_each_tube(&covered[index as usize], columns, |tube, counts| {
+                // What does not count is written over by the next, or is beyond the end.
+                let next = &mut next[tube];
+                if let Some(entry) = list.get_mut(*next as usize) {
+                    *entry = if counts == 1 { index } else { *entry };
+                }
+                *next += counts;
+            });
         }
-        for tube in first.windows(2) {
-            keyed[tube[0] as usize..tube[1] as usize].sort_unstable();
-        }
-        let list = keyed.iter().map(|&key| key as u32).collect();
         Tubes { right, up, toward, corner: low, per_angstrom, size, first, list }
     }
 
@@ -248,6 +287,55 @@ impl Tubes {
             _ => &[],
         }
     }
+}
+
+/// Calls `add` with the tubes of first and last row, first and last column, and with 1; where it covers few, which is nearly always,
+/// with four tubes, and with 0 for those that were named before: no branch that could be guessed wrong.
+#[inline(always)]
+fn for_each_tube(tubes: &[u16; 4], columns: usize, mut add: impl FnMut(usize, u32)) {
+    let [top, bottom, left, right] = tubes.map(usize::from);
+    if bottom - top > 1 || right - left > 1 {
+        for row in top..=bottom {
+            for column in left..=right {
+                add(row * columns + column, 1);
+            }
+        }
+        return;
+    }
+    let (second_row, second_column) = (u32::from(bottom > top), u32::from(right > left));
+    add(top * columns + left, 1);
+    add(top * columns + right, second_column);
+    add(bottom * columns + left, second_row);
+    add(bottom * columns + right, second_row & second_column);
+}
+
+/// Places of the spans from the highest down, of equals the first first: a radix sort, which takes a third of the time of
+/// a general one.
+fn highest_first(spans: &[Span]) -> Vec<u32> {
+    const BITS: u32 = 11;
+    // Order of the bits of a float, turned about.
+    let key = |top: f32| {
+        let bits = top.to_bits();
+        if bits >> 31 == 0 { !(bits | 1 << 31) } else { bits }
+    };
+    let mut sorted: Vec<(u32, u32)> = spans.iter().zip(0..).map(|(span, i)| (key(span.top), i)).collect();
+    let mut other = vec![(0, 0); sorted.len()];
+    for shift in [0, BITS, 2 * BITS] {
+        let digit = |key: u32| (key >> shift) as usize & ((1 << BITS) - 1);
+        let mut next = [0u32; 1 << BITS];
+        sorted.iter().for_each(|&(key, _)| next[digit(key)] += 1);
+        let mut before = 0;
+        for next in &mut next {
+            before += std::mem::replace(next, before);
+        }
+        for &entry in &sorted {
+            let next = &mut next[digit(entry.0)];
+            other[*next as usize] = entry;
+            *next += 1;
+        }
+        std::mem::swap(&mut sorted, &mut other);
+    }
+    sorted.into_iter().map(|(_, i)| i).collect()
 }
 
 #[cfg(test)]

@@ -41,7 +41,7 @@ impl ArrowShape {
             color_a: color,
             color_b: color,
             caps: CylinderInstance::pack_caps(Cap::Flat, Cap::Flat),
-            reserved: 0,
+            hidden: 0,
         };
         let (a, b) = (base.to_array(), tip.to_array());
         Some((stick, ConeInstance { a, radius_a: head, b, radius_b: 0.0, color, id, reserved: [0; 2] }))

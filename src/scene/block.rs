@@ -233,9 +233,11 @@ impl Artist<'_> {
             let middle = 0.5 * (from + to);
             let point = |at: f32| (Vec3::from(stick.a) + along * (at - from)).to_array();
             let caps = CylinderInstance::pack_caps(Cap::Flat, Cap::Flat);
-            push(CylinderInstance { b: point(face.min(middle)), color_b: stick.color_a, caps, ..stick });
+            let hidden = stick.hidden & 1;
+            push(CylinderInstance { b: point(face.min(middle)), color_b: stick.color_a, caps, hidden, ..stick });
             if face > middle {
-                push(CylinderInstance { a: point(middle), b: point(face), color_a: stick.color_b, caps, ..stick });
+                let [a, b] = [point(middle), point(face)];
+                push(CylinderInstance { a, b, color_a: stick.color_b, caps, hidden: 0, ..stick });
             }
         });
     }

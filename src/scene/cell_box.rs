@@ -33,7 +33,7 @@ pub(super) fn block(cell: &Cell, corner: Vec3) -> Block {
                 color_b: color,
                 // Round ends meet at the corners without gaps.
                 caps: CylinderInstance::pack_caps(Cap::Round, Cap::Round),
-                reserved: 0,
+                hidden: 0,
             });
         }
     }

@@ -52,8 +52,9 @@ pub struct CylinderInstance {
     pub color_b: Srgb8,
     /// [`Cap`] of end `a`, and of end `b` times 4.
     pub caps: u32,
-    /// Zero; fills the 48 bytes.
-    pub reserved: u32,
+    /// Bit 0: the cap of end `a` lies inside of an opaque ball of the scene, bit 1: that of end `b` does. What is nowhere seen need
+    /// not be computed; 0 is never wrong.
+    pub hidden: u32,
 }
 
 impl CylinderInstance {

@@ -37,7 +37,7 @@ pub(super) fn block(mesh: &Mesh, center: DVec3, options: &SceneOptions) -> Block
                 color_b: color(b),
                 // Round ends meet at the vertices without gaps.
                 caps: CylinderInstance::pack_caps(Cap::Round, Cap::Round),
-                reserved: 0,
+                hidden: 0,
             })
             .collect();
     } else {

@@ -49,7 +49,8 @@ pub(super) struct StickContext<'a> {
 }
 
 impl StickContext<'_> {
-    /// The sticks of a bond whose far end is at `b`, written through `push`; a bond of zero length has none.
+    /// The sticks of a bond whose far end is at `b`, written through `push`; a bond of zero length has none. The balls of its
+    /// atoms are drawn, but for one that `b` is an image of.
     pub(super) fn sticks(
         &self,
         bond: &Bond,
@@ -80,6 +81,7 @@ impl StickContext<'_> {
             let shows = |atom: u32| reach > (self.ball_radius)(atom) + 1e-4;
             let free = strand.shortened > 0.0;
             let cap = |atom: u32| if free || shows(atom) && self.round_ends { Cap::Round } else { Cap::Flat };
+            let hides = |atom: u32, is_drawn: bool| u32::from(is_drawn && !free && !shows(atom));
             let [from, to] = [a + strand.offset + axis * inset, b + strand.offset - axis * inset];
             if strand.is_dashed {
                 dashes(from, to, CylinderInstance { radius: strand.radius, ..template }, &mut push);
@@ -90,6 +92,7 @@ impl StickContext<'_> {
                 b: to.to_array(),
                 radius: strand.radius,
                 caps: CylinderInstance::pack_caps(cap(bond.a), cap(bond.b)),
+                hidden: hides(bond.a, true) | hides(bond.b, is_there) << 1,
                 ..template
             });
         }

@@ -36,7 +36,7 @@ fn stick(a: Vec3, b: Vec3, radius: f32, caps: (Cap, Cap), id: u32) -> CylinderIn
         color_a: Srgb8::from_rgb_u32(0x30_50_F8),
         color_b: Srgb8::from_rgb_u32(0xFF_8C_00),
         caps: CylinderInstance::pack_caps(caps.0, caps.1),
-        reserved: 0,
+        hidden: 0,
     }
 }
 

@@ -5,6 +5,7 @@
 
 use super::tile::SIDE;
 use crate::render::settings::sample_offset;
+use std::ops::Range;
 
 /// Samples in a block: one vector register of AVX-512, two of AVX2.
 pub(super) const LANES: usize = 16;
@@ -35,9 +36,9 @@ impl Pass {
         LANES / (self.side * self.side) as usize
     }
 
-    /// Samples `first ..` of `samples`, as many as fit.
-    fn new(first: u32, samples: u32) -> Pass {
-        let side = match samples - first {
+    /// Samples `first ..` of `samples`, as many as fit before `end`.
+    fn new(first: u32, end: u32, samples: u32) -> Pass {
+        let side = match end - first {
             16.. => 1,
             4.. => 2,
             _ => 4,
@@ -59,11 +60,11 @@ impl Pass {
         pass
     }
 
-    /// The passes of a picture with so many samples a pixel; the first has the smallest blocks.
-    pub(super) fn all(samples: u32) -> Vec<Pass> {
-        let (mut passes, mut done) = (Vec::new(), 0);
-        while done < samples {
-            let pass = Pass::new(done, samples);
+    /// The passes for these of so many samples a pixel; the first has the smallest blocks.
+    pub(super) fn all(of: Range<u32>, samples: u32) -> Vec<Pass> {
+        let (mut passes, mut done) = (Vec::new(), of.start);
+        while done < of.end {
+            let pass = Pass::new(done, of.end, samples);
             done += pass.per_pixel() as u32;
             passes.push(pass);
         }
@@ -85,7 +86,7 @@ mod tests {
     fn passes_take_every_sample_of_every_pixel_once() {
         for samples in [1, 2, 3, 4, 5, 9, 16, 20, 37, 64] {
             let mut seen = Vec::new();
-            for pass in Pass::all(samples) {
+            for pass in Pass::all(0..samples, samples) {
                 assert_eq!(pass.per_pixel() * (pass.side * pass.side) as usize, LANES);
                 for lane in 0..LANES {
                     let [dx, dy] = sample_offset(pass.sample[lane], samples);

@@ -6,6 +6,8 @@
 
 mod backdrop;
 mod binning;
+pub mod casters;
+mod clusters;
 pub mod intersect;
 mod lanes;
 mod reach;
@@ -65,11 +67,11 @@ impl CpuRenderer {
         let ground_map = self.ground_map(&scene, &frame);
         // Drawing in motion does not ask, and must not throw away what the picture at rest needs again.
         let asks = settings.ao > 0 || settings.shadow;
-        let none = Lights::none();
+        let mut none = Lights::none();
         if asks {
-            self.lights.update(&scene, &frame, settings);
+            self.lights.update(&frame, settings);
         }
-        let lights = if asks { &self.lights } else { &none };
+        let lights = if asks { &mut self.lights } else { &mut none };
         let mut image = tiles::image(&scene, view, settings, (&ground_map, lights), stop);
         if stop.load(Ordering::Relaxed) {
             return None;

@@ -1,27 +1,76 @@
-//! Light from afar for sixteen points at a time: the tubes of a scene, and which of the points see the light along them.
+//! Light from afar for sixteen points at a time: which directions the samples of a picture ask, and which of the points see
+//! the light along them.
 
+use super::casters::{self, Axes, Body, Mask, Starts};
+use super::clusters::{self, Clusters};
 use super::intersect::primitive_t;
 use super::lanes::{LANES, Lanes, whole};
 use crate::math::{max, min};
 use crate::render::frame::FrameConstants;
 use crate::render::settings::{Settings, View};
-use crate::render::sky::{Reach, Turns};
+use crate::render::sky::{Reach, Turns, across};
 use crate::render::solids::{Cylinder, Primitive, Solids};
-use crate::render::tubes::{Bound, Bounds, Tubes, tubes};
+use crate::render::tubes::{Tubes, width_of};
 use crate::scene::{Ray, Scene};
 use glam::{Affine3A, Vec3};
+use rayon::prelude::*;
 use std::borrow::Cow;
+use std::ops::Range;
 
-/// The tubes of a scene under one light.
+/// Bytes of sights that are kept at once. Chosen: proteins of 30,000 atoms keep all of 64 + 16 directions.
+const MOST_BYTES: usize = 256 << 20;
+
+/// From so many primitives on they are asked in clusters. Chosen: with 20,000 that takes a third longer, with 200,000 a quarter
+/// less, with two million a third.
+const MANY: usize = 100_000;
+
+/// What is asked of a scene under one light, and what was found out about it.
 #[derive(Debug, Default)]
 pub(super) struct Lights {
-    sky: (Turns, Vec<Tubes>),
-    /// Directions and samples that `sky` is made for.
+    sky: Light,
+    /// Directions and samples that `sky` is for.
     sky_of: [u32; 2],
-    key: (Turns, Vec<Tubes>),
-    /// The light that `key` is made for, and samples.
+    key: Light,
+    /// The light that `key` is for, and samples.
     key_of: (Vec3, u32),
-    center: Vec3,
+}
+
+/// Directions that samples ask in turn.
+#[derive(Debug, Default)]
+struct Light {
+    turns: Turns,
+    /// What each direction shows, of those that samples ask at the moment.
+    sights: Vec<Option<Sight>>,
+}
+
+/// What a direction shows: each primitive, or clusters of them.
+#[derive(Debug)]
+enum Sight {
+    Each(casters::Sight),
+    Clusters(clusters::Sight),
+}
+
+impl Sight {
+    #[inline(always)]
+    fn tubes(&self) -> &Tubes {
+        match self {
+            Sight::Each(sight) => &sight.tubes,
+            Sight::Clusters(sight) => &sight.tubes,
+        }
+    }
+}
+
+impl Light {
+    fn new(turns: Turns) -> Light {
+        let sights = turns.directions.iter().map(|_| None).collect();
+        Light { turns, sights }
+    }
+}
+
+/// Places of the directions that a sample asks.
+fn of_sample(turns: &Turns, sample: u32) -> Range<usize> {
+    let start = turns.start(sample) as usize;
+    start..start + turns.each as usize
 }
 
 impl Lights {
@@ -30,65 +79,131 @@ impl Lights {
         Lights::default()
     }
 
-    /// Makes the tubes that are wanted, and keeps those that still hold for this scene.
-    pub(super) fn update(&mut self, scene: &Scene, frame: &FrameConstants, settings: &Settings) {
-        self.center = scene.bounds().center();
+    /// Whether anything is asked.
+    pub(super) fn asks(&self) -> bool {
+        self.sky.turns.each + self.key.turns.each > 0
+    }
+
+    /// Sets what is asked, and keeps what was found out if it still holds for this scene.
+    pub(super) fn update(&mut self, frame: &FrameConstants, settings: &Settings) {
         let sky = [settings.ao.min(Settings::MOST_DIRECTIONS), settings.samples];
-        let key = (if settings.shadow { frame.key_in_world() } else { Vec3::ZERO }, settings.samples);
-        if sky == self.sky_of && key == self.key_of {
-            return;
-        }
-        let bounds = Bounds::new(&Solids::casting(scene, Affine3A::IDENTITY));
         if sky != self.sky_of {
-            self.sky = Default::default(); // the old ones go first
-            let turns = Turns::of_sky(sky[0], sky[1]);
-            let tubes = tubes(&bounds, self.center, &turns.directions);
-            (self.sky, self.sky_of) = ((turns, tubes), sky);
+            (self.sky, self.sky_of) = (Light::new(Turns::of_sky(sky[0], sky[1])), sky);
         }
+        let key = (if settings.shadow { frame.key_in_world() } else { Vec3::ZERO }, settings.samples);
         if key != self.key_of {
-            self.key = Default::default();
             let turns = if settings.shadow { Turns::of_key(key.0, key.1) } else { Turns::default() };
-            let tubes = tubes(&bounds, self.center, &turns.directions);
-            (self.key, self.key_of) = ((turns, tubes), key);
+            (self.key, self.key_of) = (Light::new(turns), key);
         }
     }
 
-    /// What the samples of a view ask.
-    pub(super) fn questions<'a>(&'a self, scene: &Scene, view: &View, solids: &'a Solids) -> Questions<'a> {
-        let view_from_world = view.camera.view_from_world();
-        let turned = |(turns, tubes): &'_ (Turns, Vec<Tubes>)| {
-            let axis = |v: Vec3| view_from_world.transform_vector3(v);
-            let directions = tubes.iter().map(|t| [axis(t.right), axis(t.up), axis(t.toward)]).collect();
-            (if tubes.is_empty() || solids.is_empty() { Turns::default() } else { turns.clone() }, directions)
+    /// The samples of a picture in parts whose directions are looked along at once.
+    pub(super) fn parts(&self, shadows: &Shadows<'_>, samples: u32) -> Vec<Range<u32>> {
+        let bytes = match &shadows.crowd {
+            Crowd::Each { bodies, .. } => casters::Sight::bytes(bodies.len()),
+            Crowd::Clusters(clusters) => clusters::Sight::bytes(clusters.len()),
         };
-        let casting = match solids.see_through {
-            true => Cow::Owned(Solids::casting(scene, view_from_world)),
-            false => Cow::Borrowed(solids),
-        };
-        let ((sky_turns, sky_axes), (key_turns, key_axes)) = (turned(&self.sky), turned(&self.key));
-        Questions {
-            sky: Light { turns: sky_turns, tubes: &self.sky.1, axes: sky_axes },
-            key: Light { turns: key_turns, tubes: &self.key.1, axes: key_axes },
-            solids: casting,
-            center_in_view: view_from_world.transform_point3(self.center),
-        }
+        let all = (self.sky.sights.len() + self.key.sights.len()) * bytes;
+        let one = (self.sky.turns.each + self.key.turns.each) as usize * bytes;
+        let most = [16, 4].into_iter().find(|&part| part as usize * one <= MOST_BYTES).unwrap_or(1);
+        let part = if all <= MOST_BYTES { samples } else { most };
+        (0..samples).step_by(part as usize).map(|start| start..samples.min(start + part)).collect()
     }
 }
 
-/// Directions that samples ask in turn, their tubes, and the axes of these in view space.
-struct Light<'a> {
-    turns: Turns,
-    tubes: &'a [Tubes],
-    axes: Vec<[Vec3; 3]>,
+/// What may hide the light in a view.
+pub(super) struct Shadows<'a> {
+    /// In view space.
+    solids: Cow<'a, Solids>,
+    view_from_world: Affine3A,
+    center_in_view: Vec3,
+    crowd: Crowd,
+}
+
+/// The primitives one by one, with the width of tubes in ångström, or in clusters.
+enum Crowd {
+    Each { bodies: Vec<Body>, width: f32 },
+    Clusters(Clusters),
+}
+
+impl<'a> Shadows<'a> {
+    /// `asks` says whether there will be questions.
+    pub(super) fn new(scene: &Scene, view: &View, solids: &'a Solids, asks: bool) -> Shadows<'a> {
+        Shadows::with(scene, view, solids, asks, MANY)
+    }
+
+    /// In clusters from so many primitives on.
+    fn with(scene: &Scene, view: &View, solids: &'a Solids, asks: bool, many: usize) -> Shadows<'a> {
+        let view_from_world = view.camera.view_from_world();
+        let solids = match solids.see_through && asks {
+            true => Cow::Owned(Solids::casting(scene, view_from_world)),
+            false => Cow::Borrowed(solids),
+        };
+        let center_in_view = view_from_world.transform_point3(scene.bounds().center());
+        let bodies = if asks { Body::all(&solids) } else { Vec::new() };
+        let crowd = if bodies.len() < many {
+            Crowd::Each { bodies, width: width_of(&solids) }
+        } else {
+            Crowd::Clusters(Clusters::new(bodies, &solids))
+        };
+        Shadows { crowd, solids, view_from_world, center_in_view }
+    }
+
+    fn axes(&self, toward_in_world: Vec3) -> Axes {
+        let [right, up] = across(toward_in_world);
+        let [right, up, toward] = [right, up, toward_in_world].map(|v| self.view_from_world.transform_vector3(v));
+        Axes { right, up, toward, center: self.center_in_view }
+    }
+
+    /// Looks along the directions that these samples ask and no others.
+    pub(super) fn look<'l>(&'l self, lights: &'l mut Lights, samples: &Range<u32>) -> Questions<'l> {
+        let Lights { sky, key, .. } = lights;
+        let mut wanted = Vec::new();
+        for Light { turns, sights } in [&mut *sky, &mut *key] {
+            for (direction, sight) in sights.iter_mut().enumerate() {
+                let is_asked = samples.clone().any(|sample| of_sample(turns, sample).contains(&direction));
+                match sight {
+                    Some(_) if !is_asked => *sight = None,
+                    None if is_asked && !self.solids.is_empty() => wanted.push((turns.directions[direction], sight)),
+                    _ => {}
+                }
+            }
+        }
+        wanted.into_par_iter().with_max_len(1).for_each(|(toward, sight)| {
+            let axes = self.axes(toward);
+            *sight = Some(match &self.crowd {
+                Crowd::Each { bodies, width } => Sight::Each(casters::Sight::new(bodies, &self.solids, &axes, *width)),
+                Crowd::Clusters(clusters) => Sight::Clusters(clusters::Sight::new(clusters, &axes)),
+            });
+        });
+        let seen = |light: &'l Light| Seen {
+            turns: &light.turns,
+            sights: (light.turns.directions.iter().zip(&light.sights))
+                .map(|(&toward, sight)| sight.as_ref().map(|sight| (self.axes(toward), sight)))
+                .collect(),
+        };
+        let clusters = match &self.crowd {
+            Crowd::Each { .. } => None,
+            Crowd::Clusters(clusters) => Some(clusters),
+        };
+        Questions { sky: seen(sky), key: seen(key), solids: &self.solids, clusters }
+    }
+}
+
+/// A light whose directions were looked along.
+struct Seen<'a> {
+    turns: &'a Turns,
+    sights: Vec<Option<(Axes, &'a Sight)>>,
 }
 
 /// What the samples of a view ask.
 pub(super) struct Questions<'a> {
-    sky: Light<'a>,
-    key: Light<'a>,
-    /// What may hide the light, view space: the primitives of the tubes.
-    solids: Cow<'a, Solids>,
-    center_in_view: Vec3,
+    sky: Seen<'a>,
+    key: Seen<'a>,
+    /// What may hide the light, view space.
+    solids: &'a Solids,
+    /// What the sights are of, if not of each primitive.
+    clusters: Option<&'a Clusters>,
 }
 
 /// Points that ask, view space.
@@ -109,217 +224,116 @@ pub(super) struct Points {
 /// In place of [`Points::own`]: everything may hide the light.
 pub(super) const NOBODY: u32 = u32::MAX;
 
-/// Room for asking, used again and again.
-#[derive(Debug, Default)]
-pub(super) struct Asking {
-    /// Weights of the directions that were free, and of all.
-    seen: Vec<Lanes>,
-    all: Vec<Lanes>,
-    entries: Vec<Entry>,
-    /// The first entry of each bucket of tubes, and those that have one.
-    first: Vec<u32>,
-    used: Vec<u32>,
-}
-
-/// A point that asks a direction.
-#[derive(Debug, Clone, Copy)]
-struct Entry {
-    tube: u32,
-    /// Which point: block and lane.
-    point: u32,
-    height: f32,
-    weight: f32,
-    /// The next of its bucket, or [`NONE`].
-    next: u32,
-}
-
-const NONE: u32 = u32::MAX;
-/// Buckets on a side: tubes this far apart share one.
-const BUCKETS: u32 = 16;
-
 impl Questions<'_> {
     /// Tells points how much of the sky and of the key light they see, as far as this sample of their pixels asks; `unasked`
     /// where nothing is asked, or all of it is behind the surface.
     #[inline(always)]
-    pub(super) fn ask(&self, asking: &mut Asking, blocks: &mut [Points], sample: u32, unasked: Reach) {
+    pub(super) fn ask(&self, points: &mut Points, sample: u32, unasked: Reach) {
         for (kind, light, unasked) in [(0, &self.sky, unasked.open), (1, &self.key, unasked.key)] {
-            asking.seen.clear();
-            asking.seen.resize(blocks.len(), [0.0; LANES]);
-            asking.all.clear();
-            asking.all.resize(blocks.len(), [0.0; LANES]);
-            let start = light.turns.start(sample) as usize;
-            for direction in start..start + light.turns.each as usize {
-                let (tubes, axes) = (&light.tubes[direction], &light.axes[direction]);
-                asking.entries.clear();
-                for (points, number) in blocks.iter().zip(0..) {
-                    self.enter(tubes, axes, kind == 0, points, number, asking);
-                }
-                self.answer(tubes, axes[2], asking, blocks);
+            let (mut seen, mut all) = ([0.0f32; LANES], [0.0f32; LANES]);
+            for (axes, sight) in light.sights[of_sample(light.turns, sample)].iter().flatten() {
+                self.ask_one(sight, axes, kind == 0, points, (&mut seen, &mut all));
             }
-            for ((block, seen), all) in blocks.iter_mut().zip(&asking.seen).zip(&asking.all) {
-                let told = &mut block.told[kind];
-                for lane in 0..LANES {
-                    told[lane] = if all[lane] > 0.0 { seen[lane] / all[lane] } else { unasked };
-                }
+            let told = &mut points.told[kind];
+            for lane in 0..LANES {
+                told[lane] = if all[lane] > 0.0 { seen[lane] / all[lane] } else { unasked };
             }
         }
     }
 
-    /// Finds the tubes of the points of a block that face a direction.
+    /// Asks one direction: adds its weight to `all`, and to `seen` where it is free.
     #[inline(always)]
-    fn enter(
+    fn ask_one(
         &self,
-        tubes: &Tubes,
-        [right, up, d]: &[Vec3; 3],
+        sight: &Sight,
+        axes: &Axes,
         is_weighted: bool,
         points: &Points,
-        block: u32,
-        asking: &mut Asking,
+        (seen, all): (&mut Lanes, &mut Lanes),
     ) {
-        let center = self.center_in_view;
+        let (tubes, Axes { right, up, toward, center }) = (sight.tubes(), axes);
         let most = [(tubes.size[0] - 1) as f32, (tubes.size[1] - 1) as f32];
-        let (mut weight, mut height, mut tube) = ([0.0f32; LANES], [0.0f32; LANES], [0u32; LANES]);
-        let all = &mut asking.all[block as usize];
+        let (mut weight, mut free, mut tube) = ([0.0f32; LANES], [0u32; LANES], [0u32; LANES]);
+        let mut at = Starts { x: [0.0; LANES], y: [0.0; LANES], height: [0.0; LANES] };
+        let mut asking = 0;
         for lane in 0..LANES {
-            let n = [points.normal[0][lane], points.normal[1][lane], points.normal[2][lane]];
-            let facing = max(n[0] * d.x + n[1] * d.y + n[2] * d.z, 0.0);
-            all[lane] += if is_weighted { facing } else { 1.0 };
-            weight[lane] = facing * points.asks[lane];
+            let [nx, ny, nz] = [points.normal[0][lane], points.normal[1][lane], points.normal[2][lane]];
+            let facing = max(nx * toward.x + ny * toward.y + nz * toward.z, 0.0);
+            weight[lane] = if is_weighted { facing } else { 1.0 };
+            all[lane] += weight[lane];
+            free[lane] = if facing * points.asks[lane] > 0.0 { u32::MAX } else { 0 };
+            asking |= free[lane];
+        }
+        if asking == 0 {
+            return;
+        }
+        for lane in 0..LANES {
             let x = points.position[0][lane] - center.x;
             let y = points.position[1][lane] - center.y;
             let z = points.position[2][lane] - center.z;
-            let along = |v: &Vec3| x * v.x + y * v.y + z * v.z;
-            height[lane] = along(d);
-            let column = (along(right) - tubes.corner[0]) * tubes.per_angstrom;
-            let row = (along(up) - tubes.corner[1]) * tubes.per_angstrom;
-            tube[lane] =
-                whole(min(max(row.floor(), 0.0), most[1])) << 16 | whole(min(max(column.floor(), 0.0), most[0]));
+            at.x[lane] = x * right.x + y * right.y + z * right.z;
+            at.y[lane] = x * up.x + y * up.y + z * up.z;
+            at.height[lane] = x * toward.x + y * toward.y + z * toward.z;
+            let column = (at.x[lane] - tubes.corner[0]) * tubes.per_angstrom;
+            let row = (at.y[lane] - tubes.corner[1]) * tubes.per_angstrom;
+            let (column, row) = (min(max(column.floor(), 0.0), most[0]), min(max(row.floor(), 0.0), most[1]));
+            tube[lane] = whole(row) * tubes.size[0] + whole(column);
         }
-        for lane in 0..LANES {
-            if weight[lane] > 0.0 {
-                let weight = if is_weighted { weight[lane] } else { 1.0 };
-                let point = block * LANES as u32 + lane as u32;
-                asking.entries.push(Entry { tube: tube[lane], point, height: height[lane], weight, next: NONE });
-            }
-        }
-    }
-
-    /// Walks the tubes of the entries, up to [`LANES`] of one tube at a time.
-    #[inline(always)]
-    fn answer(&self, tubes: &Tubes, d: Vec3, asking: &mut Asking, blocks: &[Points]) {
-        let Asking { seen, entries, first, used, .. } = asking;
-        first.resize((BUCKETS * BUCKETS) as usize, NONE);
-        for (entry, at) in entries.iter_mut().zip(0..) {
-            let bucket = (entry.tube >> 16) % BUCKETS * BUCKETS + entry.tube % BUCKETS;
-            let head = &mut first[bucket as usize];
-            if *head == NONE {
-                used.push(bucket);
-            }
-            entry.next = *head;
-            *head = at;
-        }
-        let base = self.center_in_view.dot(d);
-        while let Some(bucket) = used.pop() {
-            let mut head = std::mem::replace(&mut first[bucket as usize], NONE);
-            while head != NONE {
-                // The entries of one tube into the lanes; the others of the bucket wait for the next round.
-                let tube = entries[head as usize].tube;
-                let (mut count, mut waiting, mut low) = (0, NONE, f32::INFINITY);
-                let mut lanes = [0u32; LANES];
-                while head != NONE {
-                    let entry = entries[head as usize];
-                    if entry.tube == tube && count < LANES {
-                        lanes[count] = head;
-                        count += 1;
-                        low = min(entry.height, low);
-                    } else {
-                        entries[head as usize].next = waiting;
-                        waiting = head;
-                    }
-                    head = entry.next;
-                }
-                head = waiting;
-                let (mut starts, mut free) = (Starts::default(), [0u32; LANES]);
-                for (lane, &entry) in lanes[..count].iter().enumerate() {
-                    let point = entries[entry as usize].point as usize;
-                    let (of, at) = (&blocks[point / LANES], point % LANES);
-                    for axis in 0..3 {
-                        starts.position[axis][lane] = of.position[axis][at];
-                    }
-                    starts.own[lane] = of.own[at];
-                    free[lane] = u32::MAX;
-                }
-                let list = tubes.of(((tube >> 16) * tubes.size[0] + (tube & 0xffff)) as usize);
-                walk(list, d, low + base, &self.solids, &starts, &mut free);
-                for (lane, &entry) in lanes[..count].iter().enumerate() {
-                    let Entry { point, weight, .. } = entries[entry as usize];
-                    let sum = &mut seen[point as usize / LANES][point as usize % LANES];
-                    *sum += if free[lane] != 0 { weight } else { 0.0 };
-                }
-            }
-        }
-    }
-}
-
-/// Where the rays of one tube start.
-#[derive(Debug, Clone, Copy, Default)]
-struct Starts {
-    position: [Lanes; 3],
-    own: [u32; LANES],
-}
-
-/// All bits of a lane, or none.
-type Mask = [u32; LANES];
-
-/// Clears the lanes of `free` whose ray something in the list stands in the way of; `low` is the lowest start of theirs.
-#[inline(always)]
-fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Starts, free: &mut Mask) {
-    for &index in list {
-        let i = index as usize;
-        let left = match solids.primitive(i) {
-            Primitive::Sphere(s) => {
-                let sphere = &solids.spheres[s];
-                if sphere.center.dot(d) + sphere.radius <= low {
-                    break; // neither this one nor those after it reach up to the points
-                }
-                behind_sphere(sphere.center, sphere.radius, index, d, points, free)
-            }
-            Primitive::Cylinder(c) => {
-                let cylinder = &solids.cylinders[c];
-                let cosine = cylinder.axis().dot(d);
-                if cylinder.center.dot(d) + cylinder.half_length * cosine.abs() + cylinder.radius <= low {
-                    break;
-                }
-                if cylinder.is_open() {
-                    if behind_other(solids, index, d, points, free) == 0 {
-                        break;
-                    }
-                    continue;
-                }
-                let mut left = behind_cylinder(cylinder, cosine, index, d, points, free);
-                for (end, round) in cylinder.ends().into_iter().zip(cylinder.round()) {
-                    if round {
-                        left = behind_sphere(end, cylinder.radius, index, d, points, free);
-                    }
-                }
-                left
-            }
-            _ => {
-                if Bound::of(solids, i).top(d) <= low {
-                    break;
-                }
-                behind_other(solids, index, d, points, free)
-            }
+        let exactly = |index: u32, free: &mut Mask| {
+            behind(self.solids, index, *toward, points, free);
         };
-        if left == 0 {
-            break;
+        // The lanes of one tube at a time; neighbouring pixels mostly share one.
+        for lane in 0..LANES {
+            if free[lane] == 0 {
+                continue;
+            }
+            let (mut here, mut others) = ([0u32; LANES], 0);
+            for other in 0..LANES {
+                let same = tube[other] == tube[lane];
+                here[other] = if same { free[other] } else { 0 };
+                others |= if same { 0 } else { free[other] };
+                free[other] = if same { 0 } else { free[other] };
+            }
+            match (sight, self.clusters) {
+                (Sight::Each(sight), _) => sight.walk(tube[lane], &at, &mut here, exactly),
+                (Sight::Clusters(sight), Some(of)) => sight.walk(of, axes, tube[lane], &at, &mut here, exactly),
+                _ => {}
+            }
+            for other in 0..LANES {
+                seen[other] += if here[other] != 0 { weight[other] } else { 0.0 };
+            }
+            if others == 0 {
+                break;
+            }
         }
+    }
+}
+
+/// Clears the lanes that a primitive hides the light from, exactly; bits of those that are left.
+#[inline(always)]
+fn behind(solids: &Solids, index: u32, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
+    match solids.primitive(index as usize) {
+        Primitive::Sphere(s) => {
+            let sphere = &solids.spheres[s];
+            behind_sphere(sphere.center, sphere.radius, index, d, points, free)
+        }
+        Primitive::Cylinder(c) if !solids.cylinders[c].is_open() => {
+            let cylinder = &solids.cylinders[c];
+            let mut left = behind_cylinder(cylinder, cylinder.axis().dot(d), index, d, points, free);
+            for (end, round) in cylinder.ends().into_iter().zip(cylinder.round()) {
+                if round {
+                    left = behind_sphere(end, cylinder.radius, index, d, points, free);
+                }
+            }
+            left
+        }
+        _ => behind_other(solids, index, d, points, free),
     }
 }
 
 /// Clears the lanes that a ball hides the light from; bits of those that are left.
 #[inline(always)]
-fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Starts, free: &mut Mask) -> u32 {
+fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
     let r2 = radius * radius;
     let [px, py, pz] = &points.position;
     let mut left = 0;
@@ -339,7 +353,7 @@ fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Starts, fre
 /// Clears the lanes that any primitive hides the light from, one by one; bits of those that are left. A torus, the inside of
 /// an open stick, and a triangle whose normals are not its plane's may hide themselves.
 #[inline(never)]
-fn behind_other(solids: &Solids, index: u32, d: Vec3, points: &Starts, free: &mut Mask) -> u32 {
+fn behind_other(solids: &Solids, index: u32, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
     let is_convex = matches!(solids.primitive(index as usize), Primitive::Cone(_));
     let mut left = 0;
     for lane in 0..LANES {
@@ -357,7 +371,7 @@ fn behind_other(solids: &Solids, index: u32, d: Vec3, points: &Starts, free: &mu
 /// `cosine` is that of axis and direction. A ray is free where the part of it inside of the endless cylinder (about its point
 /// nearest to the axis) and the one between the planes of the ends do not overlap beyond its start.
 #[inline(always)]
-fn behind_cylinder(cylinder: &Cylinder, cosine: f32, index: u32, d: Vec3, points: &Starts, free: &mut Mask) -> u32 {
+fn behind_cylinder(cylinder: &Cylinder, cosine: f32, index: u32, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
     let (c, a, h, radius) = (cylinder.center, cylinder.axis(), cylinder.half_length, cylinder.radius);
     let n = a.cross(d);
     let sine2 = n.dot(n);

@@ -5,10 +5,9 @@ use crate::render::sky::{START_OFFSET, reach};
 use crate::render::test_shapes::{Random, Shape, at};
 use crate::scene::{Block, CylinderInstance, Placement, Ray, SphereInstance};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// A chain of balls and sticks, folded at random into a ball: as dense as atoms are in a protein.
-fn chain(seed: u64, count: u32, caps: u32) -> Scene {
+fn chain(seed: u64, count: u32, caps: u32, hidden: u32) -> Scene {
     let mut random = Random(seed);
     let limit = 2.0 * f64::from(count).cbrt();
     let mut points: Vec<DVec3> = vec![DVec3::ZERO];
@@ -31,7 +30,7 @@ fn chain(seed: u64, count: u32, caps: u32) -> Scene {
             color_a: color,
             color_b: color,
             caps,
-            reserved: 0,
+            hidden,
         })
         .collect();
     let placement = Placement { block: 0, world_from_block: Affine3A::IDENTITY, first_id: 0 };
@@ -75,12 +74,11 @@ fn at_once(directions: Vec<Vec3>) -> Turns {
 
 const UNASKED: Reach = Reach { open: -1.0, key: -2.0 };
 
-/// What points with normals are told of these directions of the sky and of the key light.
-fn ask(scene: &Scene, sky: &Turns, key: &Turns, points: &[(Vec3, Vec3)]) -> Vec<Reach> {
-    let solids = Solids::new(scene, Affine3A::IDENTITY);
+/// What points with normals are told of these directions of the sky and of the key light; asked in clusters from so many
+/// primitives on.
+fn ask(scene: &Scene, sky: &Turns, key: &Turns, points: &[(Vec3, Vec3)], many: usize) -> Vec<Reach> {
     let center = scene.bounds().center();
-    let made = |turns: &Turns| (turns.clone(), tubes(&Bounds::new(&solids), center, &turns.directions));
-    let lights = Lights { sky: made(sky), key: made(key), center, ..Lights::default() };
+    let mut lights = Lights { sky: Light::new(sky.clone()), key: Light::new(key.clone()), ..Lights::default() };
     // A view with the world's axes, so that its space is the world's but for the eye.
     let camera = crate::scene::Camera {
         eye: Vec3::new(1.0, -2.0, 30.0),
@@ -91,35 +89,30 @@ fn ask(scene: &Scene, sky: &Turns, key: &Turns, points: &[(Vec3, Vec3)]) -> Vec<
         target: center,
     };
     let in_view = Solids::new(scene, camera.view_from_world());
-    let questions = lights.questions(scene, &View::new(camera, 10, 10), &in_view);
-    let mut blocks: Vec<Points> = points
-        .chunks(LANES)
-        .map(|chunk| {
-            let mut block = Points { own: [NOBODY; LANES], ..Points::default() };
-            for (lane, (p, n)) in chunk.iter().enumerate() {
-                let start = *p - camera.eye + *n * START_OFFSET;
-                for axis in 0..3 {
-                    block.position[axis][lane] = start[axis];
-                    block.normal[axis][lane] = n[axis];
-                }
-                block.asks[lane] = 1.0;
+    let shadows = Shadows::with(scene, &View::new(camera, 10, 10), &in_view, true, many);
+    let questions = shadows.look(&mut lights, &(0..1));
+    let told = points.chunks(LANES).flat_map(|chunk| {
+        let mut block = Points { own: [NOBODY; LANES], ..Points::default() };
+        for (lane, (p, n)) in chunk.iter().enumerate() {
+            let start = *p - camera.eye + *n * START_OFFSET;
+            for axis in 0..3 {
+                block.position[axis][lane] = start[axis];
+                block.normal[axis][lane] = n[axis];
             }
-            block
-        })
-        .collect();
-    questions.ask(&mut Asking::default(), &mut blocks, 0, UNASKED);
-    let told = |i: usize| {
-        let (block, lane) = (&blocks[i / LANES], i % LANES);
-        Reach { open: block.told[0][lane], key: block.told[1][lane] }
-    };
-    (0..points.len()).map(told).collect()
+            block.asks[lane] = 1.0;
+        }
+        questions.ask(&mut block, 0, UNASKED);
+        (0..chunk.len()).map(move |lane| Reach { open: block.told[0][lane], key: block.told[1][lane] })
+    });
+    told.collect()
 }
 
 /// What visible points are told, and what rays find, one after the other through the whole scene.
-fn compare(scene: &Scene, sky: &Turns, key: &Turns, count: usize) -> Vec<(Reach, Reach)> {
+fn compare(scene: &Scene, sky: &Turns, key: &Turns, count: usize, many: usize) -> Vec<(Reach, Reach)> {
     let shapes = shapes(scene);
     let points = visible_points(scene, &shapes, count);
-    let told = ask(scene, sky, key, &points.iter().map(|(p, n)| (p.as_vec3(), n.as_vec3())).collect::<Vec<_>>());
+    let asked: Vec<_> = points.iter().map(|(p, n)| (p.as_vec3(), n.as_vec3())).collect();
+    let told = ask(scene, sky, key, &asked, many);
     let by_rays = |&(p, n): &(DVec3, DVec3)| {
         let free = |d: Vec3| {
             let origin = (p + n * f64::from(START_OFFSET)).as_vec3();
@@ -137,11 +130,12 @@ fn rms(pairs: &[(Reach, Reach)], of: fn(&Reach) -> f32) -> f64 {
 
 #[test]
 fn what_points_are_told_is_what_rays_find() {
-    // Flat and round sticks; more points than a tile has, over many tubes.
-    for (count, caps) in [(30, 5), (300, 5), (300, 10), (3000, 5)] {
-        let scene = chain(u64::from(count), count, caps);
+    // Sticks whose flat ends lie in balls, said so or not, and round ones; one by one and in clusters.
+    let scenes = [(30, 5, 3), (300, 5, 0), (300, 10, 0), (3000, 5, 3)];
+    for ((count, caps, hidden), many) in scenes.into_iter().flat_map(|scene| [(scene, usize::MAX), (scene, 0)]) {
+        let scene = chain(u64::from(count), count, caps, hidden);
         let key = Turns::of_key(Vec3::new(-0.5, 0.7, 0.5).normalize(), 1);
-        let pairs = compare(&scene, &at_once(sky::directions(64)), &key, 1000);
+        let pairs = compare(&scene, &at_once(sky::directions(64)), &key, 1000, many);
         let (open, lit) = (rms(&pairs, |r| r.open), rms(&pairs, |r| r.key));
         println!("{count} atoms: rms {open:.5} of the sky, {lit:.5} of the key light");
         let mean = pairs.iter().map(|(want, _)| want.open).sum::<f32>() / pairs.len() as f32;
@@ -159,7 +153,7 @@ fn a_ball_alone_hides_nothing_from_itself_however_grazing() {
     let scene = Scene::from_blocks(vec![Block { spheres, id_count: 1, ..Block::default() }], vec![placement]);
     let center = Vec3::new(300.0, -200.0, 100.0);
     let points: Vec<(Vec3, Vec3)> = sky::directions(2000).into_iter().map(|n| (center + n * 1.3, n)).collect();
-    for told in ask(&scene, &at_once(sky::directions(64)), &Turns::default(), &points) {
+    for told in ask(&scene, &at_once(sky::directions(64)), &Turns::default(), &points, usize::MAX) {
         assert_eq!(told, Reach { open: 1.0, key: UNASKED.key });
     }
 }
@@ -167,6 +161,6 @@ fn a_ball_alone_hides_nothing_from_itself_however_grazing() {
 #[test]
 fn nothing_is_asked_of_an_empty_scene() {
     let scene = Scene::from_blocks(Vec::new(), Vec::new());
-    let told = ask(&scene, &at_once(sky::directions(4)), &Turns::default(), &[(Vec3::ZERO, Vec3::Y)]);
+    let told = ask(&scene, &at_once(sky::directions(4)), &Turns::default(), &[(Vec3::ZERO, Vec3::Y)], 0);
     assert_eq!(told, [UNASKED]);
 }

@@ -7,7 +7,7 @@
 //! the rounding of the depth: 1e-4 of a stick's radius at 100 Å, less than a colour can show.
 
 use super::lanes::{LANES, Lanes};
-use super::reach::{Asking, NOBODY, Points, Questions};
+use super::reach::{NOBODY, Points, Questions};
 use super::shader::Shader;
 use super::tile::{Place, SIDE, Tile};
 use crate::math::{max, min};
@@ -135,19 +135,8 @@ struct Samples {
 
 /// The surfaces that a group of pixels shows in one sample.
 pub(super) struct Surfaces {
-    /// Row and column of the group in its tile.
-    place: [usize; 2],
     samples: Samples,
     albedo: [Lanes; 3],
-}
-
-/// Room for the surfaces of a tile, used again and again.
-#[derive(Default)]
-pub(super) struct Shading {
-    surfaces: Vec<Surfaces>,
-    /// Where they are, one after the other.
-    points: Vec<Points>,
-    asking: Asking,
 }
 
 /// Adds the light of a tile to its sums (planes of [`super::backdrop::Sums`], rows of `width` pixels): sample by sample, as all
@@ -159,38 +148,32 @@ pub(super) fn add(
     place: &Place<'_>,
     tile: &Tile,
     (sums, width): (&mut [f32], usize),
-    shading: &mut Shading,
 ) {
     let blocks = GROUP / place.pass.side as usize;
     for sample in 0..place.pass.per_pixel() {
-        shading.surfaces.clear();
-        shading.points.clear();
+        let (number, unasked) = (place.pass.sample[sample], shader.frame.unasked());
         for row in 0..width / GROUP {
             for column in 0..width / GROUP {
                 let columns = column * blocks..(column + 1) * blocks;
                 let touched = &tile.touched[row * blocks..(row + 1) * blocks];
-                if touched.iter().any(|row| row[columns.clone()].contains(&true)) {
-                    let samples = gather(shader, place, tile, sample, [row, column]);
-                    if samples.seen.contains(&true) {
-                        let (surfaces, points) = surfaces(shader, place, samples, [row, column]);
-                        shading.surfaces.push(surfaces);
-                        shading.points.push(points);
-                    }
+                if !touched.iter().any(|row| row[columns.clone()].contains(&true)) {
+                    continue;
                 }
-            }
-        }
-        let (number, unasked) = (place.pass.sample[sample], shader.frame.unasked());
-        let Shading { surfaces, points, asking } = shading;
-        questions.ask(asking, points, number, unasked);
-        for (surfaces, points) in surfaces.iter().zip(points.iter()) {
-            let light = light(shader, place.grid.orthographic, surfaces, points);
-            let [row, column] = surfaces.place;
-            let seen: Lanes = surfaces.samples.seen.map(|seen| if seen { 1.0 } else { 0.0 });
-            for (plane, lanes) in [&light[0], &light[1], &light[2], &seen].into_iter().enumerate() {
-                for y in 0..GROUP {
-                    let start = (plane * width + row * GROUP + y) * width + column * GROUP;
-                    for (sum, lane) in sums[start..start + GROUP].iter_mut().zip(&lanes[y * GROUP..(y + 1) * GROUP]) {
-                        *sum += lane;
+                let samples = gather(shader, place, tile, sample, [row, column]);
+                if !samples.seen.contains(&true) {
+                    continue;
+                }
+                let (surfaces, mut points) = surfaces(shader, place, samples);
+                questions.ask(&mut points, number, unasked);
+                let light = light(shader, place.grid.orthographic, &surfaces, &points);
+                let seen: Lanes = surfaces.samples.seen.map(|seen| if seen { 1.0 } else { 0.0 });
+                for (plane, lanes) in [&light[0], &light[1], &light[2], &seen].into_iter().enumerate() {
+                    for y in 0..GROUP {
+                        let start = (plane * width + row * GROUP + y) * width + column * GROUP;
+                        for (sum, lane) in sums[start..start + GROUP].iter_mut().zip(&lanes[y * GROUP..(y + 1) * GROUP])
+                        {
+                            *sum += lane;
+                        }
                     }
                 }
             }
@@ -234,7 +217,7 @@ fn gather(shader: &Shader<'_>, place: &Place<'_>, tile: &Tile, sample: usize, [r
 
 /// The surfaces of samples.
 #[inline(always)]
-fn surfaces(shader: &Shader<'_>, place: &Place<'_>, samples: Samples, group: [usize; 2]) -> (Surfaces, Points) {
+fn surfaces(shader: &Shader<'_>, place: &Place<'_>, samples: Samples) -> (Surfaces, Points) {
     let first = samples.index[0];
     let mut same = true;
     for lane in 0..LANES {
@@ -304,7 +287,7 @@ fn surfaces(shader: &Shader<'_>, place: &Place<'_>, samples: Samples, group: [us
         points.own[lane] = if shader.solids.see_through { NOBODY } else { samples.index[lane] };
     }
     others(shader, place, &samples, &mut points, &mut albedo);
-    (Surfaces { place: group, samples, albedo }, points)
+    (Surfaces { samples, albedo }, points)
 }
 
 /// Normals and colours of what is neither ball nor stick, one by one.

@@ -1,13 +1,14 @@
 //! The reference's picture, tile by tile on all cores: visibility with the same bits, colours within 1/255.
 //!
 //! For each pass over a tile's samples the candidates are drawn front to back into a small depth buffer
-//! ([`super::tile`]), then what is seen is lit sixteen samples at a time ([`super::shade`]).
+//! ([`super::tile`]), then what is seen is lit sixteen samples at a time ([`super::shade`]). Of a large scene only what some
+//! samples ask is known at once: these samples are added up in all tiles before the next are.
 
 use super::backdrop::Row;
 use super::binning::{Bins, Candidate};
 use super::lanes::Pass;
-use super::reach::{Lights, Questions};
-use super::shade::{self, Shading};
+use super::reach::{Lights, Questions, Shadows};
+use super::shade;
 use super::shader::Shader;
 use super::simd::{Work, widest};
 use super::tile::{Place, SIDE, Tile};
@@ -33,14 +34,11 @@ struct Picture<'a> {
 struct Bench {
     tile: Box<Tile>,
     candidates: Vec<Candidate>,
-    /// Planes of [`super::backdrop::Sums`], one after the other, rows of the tile's width.
-    sums: Vec<f32>,
-    shading: Shading,
 }
 
 impl Bench {
     fn new() -> Bench {
-        Bench { tile: Tile::new(), candidates: Vec::new(), sums: Vec::new(), shading: Shading::default() }
+        Bench { tile: Tile::new(), candidates: Vec::new() }
     }
 }
 
@@ -75,52 +73,49 @@ struct Samples<'w, 'a> {
     picture: &'w Picture<'a>,
     bench: &'w mut Bench,
     place: Place<'w>,
-    /// What is asked, for colours; without, only what is seen is found.
-    questions: Option<&'w Questions<'w>>,
+    /// What is asked, and where light is added to; without, only what is seen is found.
+    lit: Option<(&'w Questions<'w>, &'w mut [f32])>,
 }
 
 impl Work for Samples<'_, '_> {
     #[inline(always)]
     fn run(self) {
-        let Samples { picture, bench, place, questions } = self;
+        let Samples { picture, bench, place, lit } = self;
         bench.tile.see(&place, picture.shader.solids, &bench.candidates);
-        let Some(questions) = questions else { return };
-        let Bench { tile, sums, shading, .. } = bench;
-        let sums = (sums.as_mut_slice(), picture.bins.tile as usize);
-        shade::add(&picture.shader, questions, &place, tile, sums, shading);
+        if let Some((questions, sums)) = lit {
+            shade::add(&picture.shader, questions, &place, &bench.tile, (sums, picture.bins.tile as usize));
+        }
     }
 }
 
+/// What the samples of a tile gave: planes of [`super::backdrop::Sums`], one after the other, rows of the tile's width. Empty
+/// where nothing was added yet.
+type TileSums = Vec<f32>;
+
 impl Picture<'_> {
-    /// Writes the finished pixels of a tile to its rows in a band of the picture.
-    fn color_tile(
-        &self,
-        bench: &mut Bench,
-        tile: usize,
-        (passes, questions): (&[Pass], &Questions<'_>),
-        samples: u32,
-    ) -> Vec<Srgb8> {
-        let side = self.bins.tile as usize;
-        bench.sums.clear();
-        bench.sums.resize(4 * side * side, 0.0);
-        if !self.bins.is_empty(tile) {
-            self.bins.of_tile(tile, &mut bench.candidates);
-            for pass in passes {
-                let place = self.place(tile, pass);
-                widest(Samples { picture: self, bench, place, questions: Some(questions) });
-            }
+    /// Adds samples of a tile.
+    fn add(&self, bench: &mut Bench, tile: usize, (passes, questions): (&[Pass], &Questions<'_>), sums: &mut TileSums) {
+        if self.bins.is_empty(tile) {
+            return;
         }
-        let (x, y) = (tile as u32 % self.bins.tiles[0] * side as u32, tile as u32 / self.bins.tiles[0] * side as u32);
-        let (width, height) = ((self.region.width - x).min(side as u32), (self.region.height - y).min(side as u32));
+        let side = self.bins.tile as usize;
+        sums.resize(4 * side * side, 0.0);
+        self.bins.of_tile(tile, &mut bench.candidates);
+        for pass in passes {
+            let place = self.place(tile, pass);
+            widest(Samples { picture: self, bench, place, lit: Some((questions, sums)) });
+        }
+    }
+
+    /// The finished pixels of a tile.
+    fn finish(&self, tile: usize, mut sums: TileSums, samples: u32) -> Vec<Srgb8> {
+        let side = self.bins.tile;
+        sums.resize(4 * (side * side) as usize, 0.0);
+        let (x, y) = (tile as u32 % self.bins.tiles[0] * side, tile as u32 / self.bins.tiles[0] * side);
+        let (width, height) = ((self.region.width - x).min(side), (self.region.height - y).min(side));
         let mut pixels = vec![Srgb8::BLACK; (width * height) as usize];
-        widest(Finish {
-            picture: self,
-            sums: &bench.sums,
-            corner: [self.region.x + x, self.region.y + y],
-            width,
-            samples,
-            pixels: &mut pixels,
-        });
+        let corner = [self.region.x + x, self.region.y + y];
+        widest(Finish { picture: self, sums: &sums, corner, width, samples, pixels: &mut pixels });
         pixels
     }
 }
@@ -155,33 +150,49 @@ pub(super) fn image(
     scene: &Scene,
     view: &View,
     settings: &Settings,
-    (ground_map, lights): (&GroundMap, &Lights),
+    (ground_map, lights): (&GroundMap, &mut Lights),
     stop: &AtomicBool,
 ) -> Image {
     let frame = FrameConstants::new(scene, view, settings);
     let region = view.region();
     let samples = settings.samples.clamp(1, 4096);
-    let passes = Pass::all(samples);
-    let tile = passes.first().map_or(1, |pass| pass.side) * SIDE as u32;
-    let row_bytes = region.width as usize * 4;
-    let mut rgba = vec![0u8; row_bytes * region.height as usize];
     let solids = Solids::new(scene, view.camera.view_from_world());
-    let questions = lights.questions(scene, view, &solids);
-    let picture = Picture::new(Shader::new(&frame, &solids, ground_map), view, tile);
+    let shadows = Shadows::new(scene, view, &solids, lights.asks());
+    let parts = lights.parts(&shadows, samples);
+    let side = Pass::all(parts[0].clone(), samples).first().map_or(1, |pass| pass.side);
+    let picture = Picture::new(Shader::new(&frame, &solids, ground_map), view, side * SIDE as u32);
     let across = picture.bins.tiles[0] as usize;
-    rgba.par_chunks_mut(row_bytes * tile as usize).enumerate().for_each(|(tile_row, band)| {
+    let mut sums = vec![TileSums::new(); across * picture.bins.tiles[1] as usize];
+    let (last, before) = parts.split_last().unwrap_or((&(0..0), &[]));
+    for part in before {
+        let questions = shadows.look(lights, part);
+        let passes = Pass::all(part.clone(), samples);
+        sums.par_iter_mut().enumerate().with_max_len(4).for_each_init(Bench::new, |bench, (tile, sums)| {
+            if !stop.load(Ordering::Relaxed) {
+                picture.add(bench, tile, (&passes, &questions), sums);
+            }
+        });
+    }
+    let questions = shadows.look(lights, last);
+    let passes = Pass::all(last.clone(), samples);
+    let (side, row_bytes) = (picture.bins.tile as usize, region.width as usize * 4);
+    let mut rgba = vec![0u8; row_bytes * region.height as usize];
+    let bands = rgba.par_chunks_mut(row_bytes * side).zip(sums.par_chunks_mut(across));
+    bands.enumerate().for_each(|(tile_row, (band, sums))| {
         // Tiles of a band differ much in cost: they are shared out in small groups.
-        let tiles: Vec<_> = (0..across)
-            .into_par_iter()
-            .with_max_len(4)
-            .map_init(Bench::new, |bench, column| match stop.load(Ordering::Relaxed) {
-                true => Vec::new(),
-                false => picture.color_tile(bench, tile_row * across + column, (&passes, &questions), samples),
+        let tiles: Vec<_> = (sums.par_iter_mut().enumerate().with_max_len(4))
+            .map_init(Bench::new, |bench, (column, sums)| {
+                if stop.load(Ordering::Relaxed) {
+                    return Vec::new();
+                }
+                let (tile, mut sums) = (tile_row * across + column, std::mem::take(sums));
+                picture.add(bench, tile, (&passes, &questions), &mut sums);
+                picture.finish(tile, sums, samples)
             })
             .collect();
         for (column, pixels) in tiles.iter().enumerate() {
-            let left = column * tile as usize;
-            let width = (tile as usize).min(region.width as usize - left);
+            let left = column * side;
+            let width = side.min(region.width as usize - left);
             for (from, line) in pixels.chunks_exact(width).zip(band.chunks_mut(row_bytes)) {
                 line[left * 4..(left + width) * 4].copy_from_slice(bytemuck::cast_slice(from));
             }
@@ -197,7 +208,7 @@ pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
     let region = view.region();
     let none = GroundMap::none();
     let solids = Solids::new(scene, view.camera.view_from_world());
-    let passes = Pass::all(1);
+    let passes = Pass::all(0..1, 1);
     let pass = &passes[0];
     let picture = Picture::new(Shader::new(&frame, &solids, &none), view, pass.side * SIDE as u32);
     let across = picture.bins.tiles[0] as usize;
@@ -207,7 +218,7 @@ pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
             let mut bench = Bench::new();
             picture.bins.of_tile(tile, &mut bench.candidates);
             let place = picture.place(tile, pass);
-            widest(Samples { picture: &picture, bench: &mut bench, place, questions: None });
+            widest(Samples { picture: &picture, bench: &mut bench, place, lit: None });
             bench.tile
         })
         .collect();

@@ -1,0 +1,247 @@
+//! What may hide the light that comes along one direction, as it looks from there.
+//!
+//! Seen along the direction a ball is a disc, and a stick whose ends are round, or lie in balls, a stripe with round ends.
+//! Where a line through the inside of a convex body meets the body, it meets one stretch of it. So a point outside of it is in
+//! its shadow exactly if it is lower than some point of the line inside of the body, whichever that is: for a ball one
+//! at the height of its centre, for a stick one at the height of its axis. Whether light reaches a point is then a
+//! question of distances in the plane and of two heights, without a root or a division.
+//!
+//! Good for up to some ten thousand primitives, which stay in the caches for all directions; beyond that see [`super::clusters`].
+//!
+//! Limits: it holds for points that lie outside of all these bodies, as visible ones do. What is neither of the two, or
+//! see-through, is met only by its bounding disc here, and asked exactly where that is met.
+
+use super::lanes::{LANES, Lanes};
+use crate::math::{max, min};
+use crate::render::solids::{Cylinder, Primitive, Solids};
+use crate::render::tubes::{Bound, Span, Tubes};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// A primitive seen along the direction: 32 bytes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub(super) struct Caster {
+    /// The higher end of its axis across the direction: along `right`, along `up`.
+    x: f32,
+    y: f32,
+    /// Height of that end; nothing of the axis is higher. Of a bounding disc: the top of what it bounds.
+    height: f32,
+    /// Unit vector across the direction from there to the lower end.
+    ux: f32,
+    uy: f32,
+    /// Distance of the ends across the direction; negative for a bounding disc.
+    length: f32,
+    /// Rise of the axis per ångström across, not above 0.
+    slope: f32,
+    radius_squared: f32,
+}
+
+/// All that may hide the light along one direction.
+#[derive(Debug, Default)]
+pub(super) struct Sight {
+    pub(super) tubes: Tubes,
+    casters: Vec<Caster>,
+}
+
+/// All bits of a lane, or none.
+pub(super) type Mask = [u32; LANES];
+
+/// Points as they look along a direction.
+pub(super) struct Starts {
+    pub(super) x: Lanes,
+    pub(super) y: Lanes,
+    pub(super) height: Lanes,
+}
+
+/// The axes of a direction, and the point that all its coordinates are relative to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Axes {
+    pub(super) right: Vec3,
+    pub(super) up: Vec3,
+    pub(super) toward: Vec3,
+    pub(super) center: Vec3,
+}
+
+impl Axes {
+    /// How far a vector goes along each.
+    #[inline(always)]
+    pub(super) fn along(&self, v: Vec3) -> [f32; 3] {
+        let along = |axis: Vec3| v.x * axis.x + v.y * axis.y + v.z * axis.z;
+        [along(self.right), along(self.up), along(self.toward)]
+    }
+}
+
+/// What is known of a primitive whatever the direction, view space: 32 bytes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Body {
+    pub(super) middle: Vec3,
+    /// Negative for what is neither ball nor such a stick, or see-through.
+    pub(super) radius: f32,
+    /// From the middle to an end of the axis; zero for a ball.
+    pub(super) half: Vec3,
+    pub(super) index: u32,
+}
+
+impl Body {
+    /// Of all primitives.
+    pub(super) fn all(solids: &Solids) -> Vec<Body> {
+        let other = |index: usize| (solids.box_of(index).center(), -1.0, Vec3::ZERO);
+        let body = |index: usize| {
+            let (middle, radius, half) = match solids.primitive(index) {
+                _ if solids.see_through => other(index),
+                Primitive::Sphere(i) => (solids.spheres[i].center, solids.spheres[i].radius, Vec3::ZERO),
+                Primitive::Cylinder(i) if is_capsule(&solids.cylinders[i]) => {
+                    let stick = &solids.cylinders[i];
+                    (stick.center, stick.radius, stick.axis() * stick.half_length)
+                }
+                _ => other(index),
+            };
+            Body { middle, radius, half, index: index as u32 }
+        };
+        (0..solids.len()).into_par_iter().with_min_len(4096).map(body).collect()
+    }
+}
+
+impl Caster {
+    fn ball(center: [f32; 3], radius: f32) -> Caster {
+        let [x, y, height] = center;
+        Caster { x, y, height, ux: 1.0, uy: 0.0, length: 0.0, slope: 0.0, radius_squared: radius * radius }
+    }
+
+    fn stick(middle: [f32; 3], half: [f32; 3], radius: f32) -> Caster {
+        // From the middle to the lower end.
+        let half = if half[2] > 0.0 { half.map(|x| -x) } else { half };
+        let across = (half[0] * half[0] + half[1] * half[1]).sqrt();
+        let [x, y, height] = std::array::from_fn(|i| middle[i] - half[i]);
+        if across < 1e-6 {
+            return Caster::ball([x, y, height], radius);
+        }
+        let over = 1.0 / across;
+        Caster {
+            x,
+            y,
+            height,
+            ux: half[0] * over,
+            uy: half[1] * over,
+            length: 2.0 * across,
+            slope: half[2] * over,
+            radius_squared: radius * radius,
+        }
+    }
+
+    /// Of a primitive, and where it lies.
+    #[inline(always)]
+    fn of(body: &Body, solids: &Solids, axes: &Axes) -> (Caster, Span) {
+        if body.radius < 0.0 {
+            return Caster::disc(&Bound::of(solids, body.index as usize), axes);
+        }
+        let middle = axes.along(body.middle - axes.center);
+        let caster = Caster::stick(middle, axes.along(body.half), body.radius);
+        let Caster { x, y, ux, uy, length, height, .. } = caster;
+        let (x2, y2) = (x + ux * length, y + uy * length);
+        let low = [min(x, x2) - body.radius, min(y, y2) - body.radius];
+        let high = [max(x, x2) + body.radius, max(y, y2) + body.radius];
+        (caster, Span { low, high, top: height })
+    }
+
+    /// The disc around what is neither ball nor stick.
+    #[inline(never)]
+    fn disc(bound: &Bound, axes: &Axes) -> (Caster, Span) {
+        let span = bound.span(axes.center, [axes.right, axes.up, axes.toward]);
+        let [x, y] = [0, 1].map(|axis| 0.5 * (span.low[axis] + span.high[axis]));
+        let (a, b) = (span.high[0] - x, span.high[1] - y);
+        let disc = Caster::ball([x, y, span.top], 1.0);
+        (Caster { length: -1.0, radius_squared: 1.001 * (a * a + b * b), ..disc }, span)
+    }
+}
+
+/// Whether both ends of a stick are round or hidden.
+fn is_capsule(stick: &Cylinder) -> bool {
+    let [a, b] = stick.round();
+    (a || stick.hidden & 1 != 0) && (b || stick.hidden & 2 != 0)
+}
+
+impl Sight {
+    /// Of all primitives; `width` is that of the tubes.
+    pub(super) fn new(bodies: &[Body], solids: &Solids, axes: &Axes, width: f32) -> Sight {
+        let (casters, spans): (Vec<Caster>, Vec<Span>) = bodies.iter().map(|b| Caster::of(b, solids, axes)).unzip();
+        let tubes = Tubes::of_spans(&spans, width, [axes.right, axes.up, axes.toward]);
+        Sight { tubes, casters }
+    }
+
+    /// About how many bytes that many primitives take, measured on proteins.
+    pub(super) fn bytes(primitives: usize) -> usize {
+        48 * primitives
+    }
+
+    /// Clears the lanes of `free` whose light something in a tube stands in the way of. `exactly` does so for a primitive of
+    /// which only the bounding disc is known here.
+    #[inline(always)]
+    pub(super) fn walk(&self, tube: u32, at: &Starts, free: &mut Mask, exactly: impl Fn(u32, &mut Mask)) {
+        let mut heights = [0.0f32; LANES];
+        for lane in 0..LANES {
+            heights[lane] = if free[lane] != 0 { at.height[lane] } else { f32::INFINITY };
+        }
+        let low = low_of(&heights);
+        // Some at a time: whether any lane is left takes as long to find out as three of them.
+        for some in self.tubes.of(tube as usize).chunks(4) {
+            for &index in some {
+                let caster = &self.casters[index as usize];
+                if caster.length >= 0.0 {
+                    caster.hide(at, free);
+                } else if caster.height > low && caster.is_near(at, free) {
+                    exactly(index, free);
+                }
+            }
+            let left = free.iter().fold(0, |left, free| left | free);
+            // Where the last one does not reach up to the points, none of those after it does.
+            let reaches = some.last().is_some_and(|&last| self.casters[last as usize].height > low);
+            if left == 0 || !reaches {
+                break;
+            }
+        }
+    }
+}
+
+/// The smallest of the lanes, by halves: one after the other would wait for each.
+#[inline(always)]
+pub(super) fn low_of(x: &Lanes) -> f32 {
+    let mut x = *x;
+    let mut half = LANES / 2;
+    while half > 0 {
+        for lane in 0..half {
+            x[lane] = min(x[lane], x[lane + half]);
+        }
+        half /= 2;
+    }
+    x[0]
+}
+
+impl Caster {
+    /// Clears the lanes in its shadow.
+    #[inline(always)]
+    fn hide(&self, at: &Starts, free: &mut Mask) {
+        for (lane, free) in free.iter_mut().enumerate() {
+            let (dx, dy) = (at.x[lane] - self.x, at.y[lane] - self.y);
+            let along = dx * self.ux + dy * self.uy;
+            let aside = dx * self.uy - dy * self.ux;
+            let nearest = min(max(along, 0.0), self.length);
+            let beyond = along - nearest;
+            let axis = self.height + nearest * self.slope;
+            let hides = (beyond * beyond + aside * aside < self.radius_squared) & (at.height[lane] < axis);
+            *free = if hides { 0 } else { *free };
+        }
+    }
+
+    /// Whether a free lane is in its bounding disc.
+    #[inline(always)]
+    fn is_near(&self, at: &Starts, free: &Mask) -> bool {
+        let mut near = 0;
+        for (lane, &free) in free.iter().enumerate() {
+            let (dx, dy) = (at.x[lane] - self.x, at.y[lane] - self.y);
+            near |= if dx * dx + dy * dy <= self.radius_squared { free } else { 0 };
+        }
+        near != 0
+    }
+}
