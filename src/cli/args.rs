@@ -43,6 +43,8 @@ pub enum Command {
     /// Write a structure in another format
     Convert(ConvertArgs),
     /// List graphics devices, and which one is used and why
+    ///
+    /// Best first. WGPU_BACKEND=vulkan, gl, dx12 or metal narrows the choice to one interface, here and in pictures
     Devices,
 }
 

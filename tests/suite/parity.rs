@@ -36,6 +36,17 @@ fn gpu() -> Option<GpuRenderer> {
     Some(GpuRenderer::new(AdapterWish::Any).unwrap())
 }
 
+/// The same on OpenGL; `None` only where no adapter is reached by it.
+fn opengl() -> Option<GpuRenderer> {
+    if !adapters().iter().any(|adapter| adapter.backend == "gl") {
+        skip_or_fail("there is no OpenGL adapter (on Linux: EGL and a driver)");
+        return None;
+    }
+    let gpu = GpuRenderer::new(AdapterWish::OpenGl).unwrap();
+    assert_eq!(gpu.adapter().unwrap().backend, "gl");
+    Some(gpu)
+}
+
 /// Of so many pixels, so many agree.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Share {
@@ -225,9 +236,7 @@ fn case(name: &str) -> Case {
     cases().into_iter().find(|case| case.name == name).unwrap()
 }
 
-#[test]
-fn gpu_and_cpu_draw_the_same_scenes() {
-    let Some(mut gpu) = gpu() else { return };
+fn judge_all_scenes(mut gpu: GpuRenderer) {
     let mut wrong = Vec::new();
     let cases = cases();
     assert!(cases.len() > 20);
@@ -237,6 +246,26 @@ fn gpu_and_cpu_draw_the_same_scenes() {
         }
     }
     assert!(wrong.is_empty(), "{}:\n{}", gpu.name(), wrong.join("\n"));
+}
+
+#[test]
+fn gpu_and_cpu_draw_the_same_scenes() {
+    let Some(gpu) = gpu() else { return };
+    judge_all_scenes(gpu);
+}
+
+#[test]
+fn opengl_and_cpu_draw_the_same_scenes() {
+    let Some(gpu) = opengl() else { return };
+    judge_all_scenes(gpu);
+}
+
+/// Under the limits of the smallest devices, which is what old OpenGL drivers have, in tiles.
+#[test]
+fn opengl_finishes_a_picture_wider_than_a_texture() {
+    let Some(mut whole) = opengl() else { return };
+    let mut small = GpuRenderer::with_limits(AdapterWish::OpenGl, &wgpu::Limits::downlevel_webgl2_defaults()).unwrap();
+    draws_the_same_in_tiles(&mut whole, &mut small);
 }
 
 /// All molecules of data/, in turn as balls and sticks, sticks, and space-filling, in both projections. Large ones are
@@ -348,15 +377,19 @@ fn regions_of_a_picture_are_pieces_of_it() {
 
 #[test]
 fn small_devices_draw_the_same_picture_in_tiles() {
-    let limits = wgpu::Limits::downlevel_webgl2_defaults();
     let Some(mut gpu) = gpu() else { return };
-    let mut small = GpuRenderer::with_limits(AdapterWish::Any, &limits).unwrap();
+    let mut small = GpuRenderer::with_limits(AdapterWish::Any, &wgpu::Limits::downlevel_webgl2_defaults()).unwrap();
+    draws_the_same_in_tiles(&mut gpu, &mut small);
+}
+
+/// `small` is the same device under the smallest limits.
+fn draws_the_same_in_tiles(gpu: &mut GpuRenderer, small: &mut GpuRenderer) {
     let case = case("molecule_on_ground");
     let scene = Arc::new(case.scene.clone());
     // Wider than a texture of the small device, and only a strip of it, to be quick.
     let mut view = View::new(scene.fitted_camera(4.0), 2600, 650);
     view.region = Some(Region { x: 0, y: 300, width: 2600, height: 40 });
-    for renderer in [&mut gpu, &mut small] {
+    for renderer in [&mut *gpu, &mut *small] {
         renderer.load(Arc::clone(&scene)).unwrap();
     }
     for settings in [SETTINGS, QUICK] {

@@ -5,6 +5,7 @@
 //! keeps a small depth buffer.
 
 mod backdrop;
+mod behind;
 mod binning;
 pub mod intersect;
 mod lanes;

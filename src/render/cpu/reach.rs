@@ -1,5 +1,6 @@
 //! Light from afar for sixteen points at a time: the tubes of a scene, and which of the points see the light along them.
 
+use super::behind::{Mask, behind_cone, behind_open_stick, behind_triangle};
 use super::intersect::primitive_t;
 use super::lanes::{LANES, Lanes, whole};
 use crate::math::{max, min};
@@ -268,9 +269,6 @@ struct Starts {
     own: [u32; LANES],
 }
 
-/// All bits of a lane, or none.
-type Mask = [u32; LANES];
-
 /// Clears the lanes of `free` whose ray something in the list stands in the way of; `low` is the lowest start of theirs.
 #[inline(always)]
 fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Starts, free: &mut Mask) {
@@ -291,7 +289,7 @@ fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Starts, free:
                     break;
                 }
                 if cylinder.is_open() {
-                    if behind_other(solids, index, d, points, free) == 0 {
+                    if behind_open_stick(cylinder, d, &points.position, free) == 0 {
                         break;
                     }
                     continue;
@@ -304,11 +302,15 @@ fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Starts, free:
                 }
                 left
             }
-            _ => {
+            other => {
                 if Bound::of(solids, i).top(d) <= low {
                     break;
                 }
-                behind_other(solids, index, d, points, free)
+                match other {
+                    Primitive::Cone(c) => behind_cone(&solids.cones[c], index, d, &points.position, &points.own, free),
+                    Primitive::Triangle(t) => behind_triangle(&solids.triangles[t], d, &points.position, free),
+                    _ => behind_torus(solids, index, d, points, free),
+                }
             }
         };
         if left == 0 {
@@ -336,14 +338,13 @@ fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Starts, fre
     left
 }
 
-/// Clears the lanes that any primitive hides the light from, one by one; bits of those that are left. A torus, the inside of
-/// an open stick, and a triangle whose normals are not its plane's may hide themselves.
+/// Clears the lanes that a torus hides the light from, one by one, for it is searched for; bits of those that are left. It may hide
+/// itself.
 #[inline(never)]
-fn behind_other(solids: &Solids, index: u32, d: Vec3, points: &Starts, free: &mut Mask) -> u32 {
-    let is_convex = matches!(solids.primitive(index as usize), Primitive::Cone(_));
+fn behind_torus(solids: &Solids, index: u32, d: Vec3, points: &Starts, free: &mut Mask) -> u32 {
     let mut left = 0;
     for lane in 0..LANES {
-        if free[lane] != 0 && !(is_convex && points.own[lane] == index) {
+        if free[lane] != 0 {
             let origin = Vec3::from(points.position.map(|axis| axis[lane]));
             let ray = Ray { origin, direction: d };
             free[lane] = if primitive_t(&ray, solids, index as usize, 0.0).is_finite() { 0 } else { free[lane] };

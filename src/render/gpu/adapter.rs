@@ -9,6 +9,8 @@ pub enum AdapterWish {
     Hardware,
     /// Real GPUs first, then software adapters (lavapipe, llvmpipe, SwiftShader, WARP).
     Any,
+    /// Only what OpenGL reaches, software too: for tests of that way. `WGPU_BACKEND=gl` makes [`AdapterWish::Any`] the same.
+    OpenGl,
 }
 
 /// What an adapter is.
@@ -148,6 +150,10 @@ pub(super) fn open(
         let report = AdapterReport::new(&adapter);
         if wish == AdapterWish::Hardware && report.is_software {
             tried.push(format!("{report}: a software adapter, slower than drawing on the CPU"));
+            continue;
+        }
+        if wish == AdapterWish::OpenGl && adapter.get_info().backend != wgpu::Backend::Gl {
+            tried.push(format!("{report}: not OpenGL"));
             continue;
         }
         if surface.is_some_and(|surface| !adapter.is_surface_supported(surface)) {
