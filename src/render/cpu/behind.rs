@@ -88,13 +88,15 @@ mod tests {
 
     /// Sixteen starts whose rays pass by a point of the body, half of them close to its edges; some start beyond it.
     fn starts(body: &Body, d: DVec3, random: &mut Random) -> [Lanes; 3] {
-        let mut position = [[0.0; LANES]; 3];
-        for lane in 0..LANES {
+        let start = |_| {
             let off = random.direction() * body.width() * random.log_between(0.001, 1.0);
-            let p = body.point(random) + off - d * random.between(-2.0, 60.0);
-            (0..3).for_each(|axis| position[axis][lane] = p[axis] as f32);
-        }
-        position
+            (body.point(random) + off - d * random.between(-2.0, 60.0)).as_vec3()
+        };
+        lanes(std::array::from_fn(start))
+    }
+
+    fn lanes(points: [Vec3; LANES]) -> [Lanes; 3] {
+        std::array::from_fn(|axis| points.map(|p| p[axis]))
     }
 
     /// What lanes say against what one ray says, and where they differ, whether it is a matter of rounding.
@@ -192,13 +194,12 @@ mod tests {
         let mut random = Random(12);
         for _ in 0..2000 {
             let d = (DVec3::Y + random.direction() * 0.4).normalize().as_vec3();
-            let mut position = [[0.0; LANES]; 3];
-            for lane in 0..LANES {
-                // On an edge.
+            // On an edge.
+            let start = |_| {
                 let p = center + corner(random.below(40)) * random.between(0.0, 0.95);
-                let start = p.as_vec3() - d * random.between(1.0, 50.0) as f32;
-                (0..3).for_each(|axis| position[axis][lane] = start[axis]);
-            }
+                p.as_vec3() - d * random.between(1.0, 50.0) as f32
+            };
+            let position = lanes(std::array::from_fn(start));
             let mut free = ALL;
             fan.iter().for_each(|triangle| _ = behind_triangle(triangle, d, &position, &mut free));
             assert_eq!(free, [0; LANES], "{d}");

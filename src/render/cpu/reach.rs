@@ -11,7 +11,6 @@ use crate::render::solids::{Cylinder, Primitive, Solids};
 use crate::render::tubes::{Bound, Bounds, Tubes, tubes};
 use crate::scene::{Ray, Scene};
 use glam::{Affine3A, Vec3};
-use std::borrow::Cow;
 
 /// The tubes of a scene under one light.
 #[derive(Debug, Default)]
@@ -23,6 +22,8 @@ pub(super) struct Lights {
     /// The light that `key` is made for, and samples.
     key_of: (Vec3, u32),
     center: Vec3,
+    /// Samples of a pixel.
+    samples: u32,
 }
 
 impl Lights {
@@ -33,13 +34,13 @@ impl Lights {
 
     /// Makes the tubes that are wanted, and keeps those that still hold for this scene.
     pub(super) fn update(&mut self, scene: &Scene, frame: &FrameConstants, settings: &Settings) {
-        self.center = scene.bounds().center();
+        (self.center, self.samples) = (scene.bounds().center(), settings.samples);
         let sky = [settings.ao.min(Settings::MOST_DIRECTIONS), settings.samples];
         let key = (if settings.shadow { frame.key_in_world() } else { Vec3::ZERO }, settings.samples);
         if sky == self.sky_of && key == self.key_of {
             return;
         }
-        let bounds = Bounds::new(&Solids::casting(scene, Affine3A::IDENTITY));
+        let bounds = Bounds::new(&Solids::new(scene, Affine3A::IDENTITY));
         if sky != self.sky_of {
             self.sky = Default::default(); // the old ones go first
             let turns = Turns::of_sky(sky[0], sky[1]);
@@ -54,23 +55,26 @@ impl Lights {
         }
     }
 
+    /// These directions of the sky alone, all asked by the one sample of a pixel.
+    pub(super) fn of_sky(bounds: &Bounds, center: Vec3, directions: &[Vec3]) -> Lights {
+        let turns = Turns { directions: directions.to_vec(), each: directions.len() as u32 };
+        Lights { sky: (turns, tubes(bounds, center, directions)), center, samples: 1, ..Lights::default() }
+    }
+
     /// What the samples of a view ask.
-    pub(super) fn questions<'a>(&'a self, scene: &Scene, view: &View, solids: &'a Solids) -> Questions<'a> {
+    pub(super) fn questions<'a>(&'a self, view: &View, solids: &'a Solids) -> Questions<'a> {
         let view_from_world = view.camera.view_from_world();
         let turned = |(turns, tubes): &'_ (Turns, Vec<Tubes>)| {
             let axis = |v: Vec3| view_from_world.transform_vector3(v);
             let directions = tubes.iter().map(|t| [axis(t.right), axis(t.up), axis(t.toward)]).collect();
             (if tubes.is_empty() || solids.is_empty() { Turns::default() } else { turns.clone() }, directions)
         };
-        let casting = match solids.see_through {
-            true => Cow::Owned(Solids::casting(scene, view_from_world)),
-            false => Cow::Borrowed(solids),
-        };
         let ((sky_turns, sky_axes), (key_turns, key_axes)) = (turned(&self.sky), turned(&self.key));
         Questions {
             sky: Light { turns: sky_turns, tubes: &self.sky.1, axes: sky_axes },
             key: Light { turns: key_turns, tubes: &self.key.1, axes: key_axes },
-            solids: casting,
+            solids,
+            samples: self.samples,
             center_in_view: view_from_world.transform_point3(self.center),
         }
     }
@@ -88,7 +92,9 @@ pub(super) struct Questions<'a> {
     sky: Light<'a>,
     key: Light<'a>,
     /// What may hide the light, view space: the primitives of the tubes.
-    solids: Cow<'a, Solids>,
+    solids: &'a Solids,
+    /// Samples of a pixel.
+    samples: u32,
     center_in_view: Vec3,
 }
 
@@ -155,7 +161,7 @@ impl Questions<'_> {
                 for (points, number) in blocks.iter().zip(0..) {
                     self.enter(tubes, axes, kind == 0, points, number, asking);
                 }
-                self.answer(tubes, axes[2], asking, blocks);
+                self.answer(tubes, axes[2], asking, blocks, sample);
             }
             for ((block, seen), all) in blocks.iter_mut().zip(&asking.seen).zip(&asking.all) {
                 let told = &mut block.told[kind];
@@ -207,7 +213,7 @@ impl Questions<'_> {
 
     /// Walks the tubes of the entries, up to [`LANES`] of one tube at a time.
     #[inline(always)]
-    fn answer(&self, tubes: &Tubes, d: Vec3, asking: &mut Asking, blocks: &[Points]) {
+    fn answer(&self, tubes: &Tubes, d: Vec3, asking: &mut Asking, blocks: &[Points], sample: u32) {
         let Asking { seen, entries, first, used, .. } = asking;
         first.resize((BUCKETS * BUCKETS) as usize, NONE);
         for (entry, at) in entries.iter_mut().zip(0..) {
@@ -251,7 +257,7 @@ impl Questions<'_> {
                     free[lane] = u32::MAX;
                 }
                 let list = tubes.of(((tube >> 16) * tubes.size[0] + (tube & 0xffff)) as usize);
-                walk(list, d, low + base, &self.solids, &starts, &mut free);
+                walk(list, d, low + base, (self.solids, [sample, self.samples]), &starts, &mut free);
                 for (lane, &entry) in lanes[..count].iter().enumerate() {
                     let Entry { point, weight, .. } = entries[entry as usize];
                     let sum = &mut seen[point as usize / LANES][point as usize % LANES];
@@ -271,9 +277,19 @@ struct Starts {
 
 /// Clears the lanes of `free` whose ray something in the list stands in the way of; `low` is the lowest start of theirs.
 #[inline(always)]
-fn walk(list: &[u32], d: Vec3, low: f32, solids: &Solids, points: &Starts, free: &mut Mask) {
+fn walk(
+    list: &[u32],
+    d: Vec3,
+    low: f32,
+    (solids, [sample, samples]): (&Solids, [u32; 2]),
+    points: &Starts,
+    free: &mut Mask,
+) {
     for &index in list {
         let i = index as usize;
+        if !solids.hides(i, sample, samples) {
+            continue;
+        }
         let left = match solids.primitive(i) {
             Primitive::Sphere(s) => {
                 let sphere = &solids.spheres[s];

@@ -80,7 +80,7 @@ fn ask(scene: &Scene, sky: &Turns, key: &Turns, points: &[(Vec3, Vec3)]) -> Vec<
     let solids = Solids::new(scene, Affine3A::IDENTITY);
     let center = scene.bounds().center();
     let made = |turns: &Turns| (turns.clone(), tubes(&Bounds::new(&solids), center, &turns.directions));
-    let lights = Lights { sky: made(sky), key: made(key), center, ..Lights::default() };
+    let lights = Lights { sky: made(sky), key: made(key), center, samples: 1, ..Lights::default() };
     // A view with the world's axes, so that its space is the world's but for the eye.
     let camera = crate::scene::Camera {
         eye: Vec3::new(1.0, -2.0, 30.0),
@@ -91,7 +91,7 @@ fn ask(scene: &Scene, sky: &Turns, key: &Turns, points: &[(Vec3, Vec3)]) -> Vec<
         target: center,
     };
     let in_view = Solids::new(scene, camera.view_from_world());
-    let questions = lights.questions(scene, &View::new(camera, 10, 10), &in_view);
+    let questions = lights.questions(&View::new(camera, 10, 10), &in_view);
     let mut blocks: Vec<Points> = points
         .chunks(LANES)
         .map(|chunk| {

@@ -166,7 +166,7 @@ pub(super) fn image(
     let row_bytes = region.width as usize * 4;
     let mut rgba = vec![0u8; row_bytes * region.height as usize];
     let solids = Solids::new(scene, view.camera.view_from_world());
-    let questions = lights.questions(scene, view, &solids);
+    let questions = lights.questions(view, &solids);
     let picture = Picture::new(Shader::new(&frame, &solids, ground_map), view, tile);
     let across = picture.bins.tiles[0] as usize;
     rgba.par_chunks_mut(row_bytes * tile as usize).enumerate().for_each(|(tile_row, band)| {
