@@ -43,7 +43,7 @@ fn meets_round(
     let radius = |y: f64| middle + slope * y;
     let is_closed = discs.into_iter().zip(balls).all(|(disc, ball)| disc || ball);
     if is_closed && qy.abs() < h && qa.length() < radius(qy) {
-        return true;
+        return true; // a solid hides light from what is inside
     }
     let (rho, sigma) = (radius(qy), slope * dy);
     let (a, b, c) = (da.length_squared() - sigma * sigma, qa.dot(da) - sigma * rho, qa.length_squared() - rho * rho);
@@ -55,7 +55,13 @@ fn meets_round(
     [-1.0, 1.0].into_iter().zip(discs.into_iter().zip(balls)).any(|(sign, (disc, ball))| {
         let t = (sign * h - qy) / dy;
         let on_disc = disc && t > 0.0 && (qa + da * t).length() <= radius(sign * h);
-        on_disc || (ball && meets_ball(center + axis * (h * sign), radius(sign * h), p, d))
+        // Of a ball the half that sticks out: its other half is inside, or nothing where the stick is open.
+        let out = axis * sign;
+        let to = center + out * h - p;
+        let (along, end) = (to.dot(d), radius(sign * h));
+        let root = (end * end - (to.length_squared() - along * along)).sqrt();
+        let on_ball = |t: &f64| *t > 0.0 && (d * *t - to).dot(out) >= 0.0;
+        on_disc || (ball && [along - root, along + root].iter().any(on_ball))
     })
 }
 

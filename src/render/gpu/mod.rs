@@ -89,7 +89,7 @@ impl GpuRenderer {
     }
 
     fn open(wish: AdapterWish, limits: Option<&wgpu::Limits>) -> Result<GpuRenderer> {
-        let instance = instance(wish)?;
+        let instance = instance(wish, None)?;
         let (gpu, _) = Gpu::new(adapter::open(wish, &instance, None, limits)?);
         GpuRenderer::on(gpu)
     }
@@ -198,11 +198,11 @@ fn asks(settings: &Settings) -> bool {
     settings.ao > 0 || settings.shadow
 }
 
-fn instance(wish: AdapterWish) -> Result<wgpu::Instance> {
+fn instance(wish: AdapterWish, display: Option<adapter::Display>) -> Result<wgpu::Instance> {
     if wish == AdapterWish::Hardware {
         adapter::check_for_hardware()?;
     }
-    adapter::instance().ok_or_else(|| Error::Gpu("this build has no graphics backend".to_owned()))
+    adapter::instance(display).ok_or_else(|| Error::Gpu("this build has no graphics backend".to_owned()))
 }
 
 impl Renderer for GpuRenderer {

@@ -51,12 +51,11 @@ impl GpuRenderer {
     ///
     /// # Errors
     /// [`Error::Gpu`] if no adapter that fulfils the wish can draw to the window, with what was tried.
-    pub fn for_window(
-        target: impl Into<wgpu::SurfaceTarget<'static>>,
-        size_px: [u32; 2],
-        wish: AdapterWish,
-    ) -> Result<(GpuRenderer, WindowSurface)> {
-        let instance = instance(wish)?;
+    pub fn for_window<W>(target: W, size_px: [u32; 2], wish: AdapterWish) -> Result<(GpuRenderer, WindowSurface)>
+    where
+        W: Into<wgpu::SurfaceTarget<'static>> + wgpu::wgt::WgpuHasDisplayHandle + Clone,
+    {
+        let instance = instance(wish, Some(Box::new(target.clone())))?;
         let surface = instance
             .create_surface(target)
             .map_err(|error| Error::Gpu(format!("the window cannot be drawn to: {error}")))?;
