@@ -91,8 +91,17 @@ impl Field {
         }
     }
 
-    /// The ball around a cone, torus or triangle: what it rules out need not be searched. Others are as quickly asked themselves:
-    /// for them it is a ball without end.
+    /// Whether a primitive takes so long to ask that the ball around it is asked before: others are as quick as that.
+    fn is_slow(&self, index: usize) -> bool {
+        index >= self.solids.spheres.len() + self.solids.cylinders.len()
+    }
+
+    /// The opacity of a primitive; costs nothing where all are opaque.
+    fn opacity(&self, index: usize) -> u8 {
+        if self.solids.see_through { self.solids.opacity(index) } else { u8::MAX }
+    }
+
+    /// The ball around a slow one.
     fn ball(&self, index: usize) -> (Vec3, f32) {
         match self.solids.primitive(index) {
             Primitive::Cone(i) => {
@@ -120,7 +129,7 @@ impl Field {
 
     /// The distance at a point so high above the ground, as far as it shades the ground: what is see-through is farther away.
     fn over_ground(&self, p: Vec3, height: f32, limit: f32) -> f32 {
-        self.nearest(p, limit, |index, distance| dimmed_distance(distance, height, self.solids.opacity(index))).0
+        self.nearest(p, limit, |index, distance| dimmed_distance(distance, height, self.opacity(index))).0
     }
 
     /// The smallest of what `of` makes of the primitives' distances, and the primitive; it must not make less of them, nor of what is
@@ -132,11 +141,14 @@ impl Field {
             // Inside a box the distance to what it holds may be negative: it is always entered.
             |best, b: &Aabb| Some(b.distance(p)).filter(|&d| d < best.0 || d == 0.0),
             |best, index| {
-                let (center, radius) = self.ball(index as usize);
-                if center.distance(p) - radius >= best.0 {
-                    return;
+                let i = index as usize;
+                if self.is_slow(i) {
+                    let (center, radius) = self.ball(i);
+                    if center.distance(p) - radius >= best.0 {
+                        return;
+                    }
                 }
-                let distance = of(index as usize, self.distance(index as usize, p));
+                let distance = of(i, self.distance(i, p));
                 if distance < best.0 {
                     *best = (distance, Some(index));
                 }
@@ -174,15 +186,18 @@ impl Field {
                 (farthest > 0.0 && sharpness * beside < *visible * farthest).then_some(beside)
             },
             |visible, index| {
-                let (center, radius) = self.ball(index as usize);
-                let along = (center - p).dot(to_light);
-                let beside = (center - p - to_light * along).length() - radius;
-                if sharpness * beside >= *visible * (along + radius).max(start) {
-                    return;
+                let i = index as usize;
+                if self.is_slow(i) {
+                    let (center, radius) = self.ball(i);
+                    let along = (center - p).dot(to_light);
+                    let beside = (center - p - to_light * along).length() - radius;
+                    if sharpness * beside >= *visible * (along + radius).max(start) {
+                        return;
+                    }
                 }
-                let (t, distance) = self.least_on_way(index as usize, p, to_light, start);
+                let (t, distance) = self.least_on_way(i, p, to_light, start);
                 let light = (sharpness * distance / t).max(0.0);
-                *visible = visible.min(dimmed_way(light, self.solids.opacity(index as usize)));
+                *visible = visible.min(dimmed_way(light, self.opacity(i)));
             },
         );
         visible * visible * (3.0 - 2.0 * visible)
