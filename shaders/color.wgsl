@@ -27,3 +27,6 @@ fn linear_from_srgb8(rgb: u32) -> vec3<f32> {
 fn quantise(x: f32) -> f32 {
     return floor(clamp(x, 0.0, 1.0) * 255.0 + 0.5) / 255.0;
 }
+
+// Steps of a channel of the surface target: four times those of 8 bits, so that these are exact.
+const COLOR_STEPS: f32 = 1020.0;

@@ -36,7 +36,8 @@ struct SampleConstants {
     offset: vec2<f32>,
     // Samples summed before this one.
     done: u32,
-    // The sample's turn among those in which see-through primitives are there, and 65536 times log2 of their number.
+    // The sample's turn among those in which see-through primitives are there (12 bits), the turn by which they hide light (12 bits),
+    // and log2 of the number of turns.
     turn: u32,
 }
 

@@ -86,5 +86,5 @@ fn fs_cone(vertex: ConeVertex) -> Surface {
     if !(t < NO_HIT) {
         discard;
     }
-    return surface(vertex.look.y, t, cone_normal(ray, cone, near, t), vertex.look.x);
+    return surface(vertex.look.y, t, cone_normal(ray, cone, near, t), color_from_srgb8(vertex.look.x));
 }

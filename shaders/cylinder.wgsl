@@ -65,5 +65,5 @@ fn fs_cylinder(vertex: CylinderVertex) -> Surface {
         discard;
     }
     let rgb = select(vertex.look.x, vertex.look.y, cylinder_half(ray, cylinder, t));
-    return surface(vertex.look.w, t, cylinder_normal(ray, cylinder, near, t), rgb);
+    return surface(vertex.look.w, t, cylinder_normal(ray, cylinder, near, t), color_from_srgb8(rgb));
 }

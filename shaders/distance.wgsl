@@ -4,17 +4,21 @@
 
 const RARE: f32 = 1e30;
 
-// Kind: 1 cone, 2 torus, 3 triangle, 4 open stick. Cone: unit axis, half length; both radii. Torus: unit axis, ring's radius; tube's radius.
-// Triangle: the corners from the centre. Stick with an open end: unit axis, half length; radius, Cylinder::caps.
+// Kind: 1 cone, 2 torus, 3 triangle, 4 stick that is open or see-through, 5 see-through ball. Cone: unit axis, half length; both
+// radii. Torus: unit axis, ring's radius; tube's radius. Triangle: the corners from the centre. Stick: unit axis, half length; radius,
+// Cylinder::caps. Ball: any unit vector, 0; radius.
 struct Rare {
     kind: u32,
     center: vec3<f32>,
     a: vec4<f32>,
     b: vec4<f32>,
     c: vec4<f32>,
+    // Lower and upper 16 bits of the id, opacity 0-255.
+    look: vec4<f32>,
 }
 
-const OPEN_STICK: u32 = 4u;
+const STICK: u32 = 4u;
+const BALL: u32 = 5u;
 
 // Of a point in the half section of a stick.
 fn stick_distance(across: f32, y: f32, h: f32, radius: f32, is_round: bool) -> f32 {
@@ -58,6 +62,9 @@ fn triangle_distance(q: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> 
 
 fn rare_distance(rare: Rare, p: vec3<f32>) -> f32 {
     let q = p - rare.center;
+    if rare.kind == BALL {
+        return length(q) - rare.b.x;
+    }
     if rare.kind == 3u {
         return triangle_distance(q, rare.a.xyz, rare.b.xyz, rare.c.xyz);
     }
@@ -66,7 +73,7 @@ fn rare_distance(rare: Rare, p: vec3<f32>) -> f32 {
     if rare.kind == 2u {
         return length(vec2<f32>(across - rare.a.w, y)) - rare.b.x;
     }
-    if rare.kind == OPEN_STICK {
+    if rare.kind == STICK {
         let cap = u32(rare.b.y) >> select(0u, 2u, y > 0.0);
         return stick_distance(across, y, rare.a.w, rare.b.x, (cap & 3u) == 2u);
     }

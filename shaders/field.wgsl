@@ -1,8 +1,8 @@
 // The scene's signed distance field over its hierarchy: the twins of src/render/field.rs and Hierarchy::visit. Boxes and
 // primitives are texels in rows of 2048: two a box (lower corner; upper corner), and two a primitive in the hierarchy's
 // order (centre, radius; unit axis, half length). A sphere is a cylinder of no length and no axis. A radius below 0 marks a
-// round end a, a half length below 0 a round end b. Others, open sticks too, have a radius of RARE times their kind, and in
-// place of the axis the number of the first of three texels that hold the rest.
+// round end a, a half length below 0 a round end b. Others, open sticks and all that is see-through too, have a radius of RARE times
+// their kind, and in place of the axis the number of the first of four texels that hold the rest.
 #import "common.wgsl"
 #import "distance.wgsl"
 
@@ -35,16 +35,12 @@ fn rare_of(first: vec4<f32>, second: vec4<f32>) -> Rare {
         textureLoad(primitives, texel_at(at), 0),
         textureLoad(primitives, texel_at(at + 1u), 0),
         textureLoad(primitives, texel_at(at + 2u), 0),
+        textureLoad(primitives, texel_at(at + 3u), 0),
     );
 }
 
-// Twin of sphere_distance and cylinder_distance.
-fn primitive_distance(index: u32, p: vec3<f32>) -> f32 {
-    let first = textureLoad(primitives, texel_at(2u * index), 0);
-    let second = textureLoad(primitives, texel_at(2u * index + 1u), 0);
-    if first.w >= RARE {
-        return rare_distance(rare_of(first, second), p);
-    }
+// Twin of sphere_distance and cylinder_distance, from both texels.
+fn stick_or_ball_distance(first: vec4<f32>, second: vec4<f32>, p: vec3<f32>) -> f32 {
     let radius = abs(first.w);
     let from_center = p - first.xyz;
     let y = dot(from_center, second.xyz);
@@ -53,6 +49,23 @@ fn primitive_distance(index: u32, p: vec3<f32>) -> f32 {
     let round_b = second.w < 0.0;
     let is_round = select(round_a, round_b, y > 0.0);
     return stick_distance(across, y, abs(second.w), radius, is_round);
+}
+
+// Twin of dimmed_way: the place on the scale of light that a share of a shadow has.
+fn dimmed_way(x: f32, opacity: f32) -> f32 {
+    if opacity >= 255.0 || x >= 1.0 {
+        return x;
+    }
+    let light = 1.0 - opacity / 255.0 * (1.0 - x * x * (3.0 - 2.0 * x));
+    return 0.5 - sin(asin(clamp(1.0 - 2.0 * light, -1.0, 1.0)) / 3.0);
+}
+
+// Twin of dimmed_distance.
+fn dimmed_distance(distance: f32, height: f32, opacity: f32) -> f32 {
+    if opacity >= 255.0 {
+        return distance;
+    }
+    return height - opacity / 255.0 * (height - max(distance, 0.0));
 }
 
 // Twin of nearest_on_way; a sphere has no axis, so that its centre counts.
@@ -71,7 +84,7 @@ struct Query {
     p: vec3<f32>,
     // Unit direction of the way; zero asks for the distance.
     direction: vec3<f32>,
-    // The way starts here.
+    // The way starts here; of a distance, how high the point is above the ground.
     start: f32,
     sharpness: f32,
 }
@@ -97,22 +110,43 @@ fn box_bound(index: u32, query: Query) -> f32 {
     return select(distance, -NO_HIT, distance == 0.0);
 }
 
-fn answer(index: u32, query: Query) -> f32 {
-    if is_way(query) {
-        let first = textureLoad(primitives, texel_at(2u * index), 0);
-        var axis = textureLoad(primitives, texel_at(2u * index + 1u), 0);
-        if first.w >= RARE {
-            let rare = rare_of(first, axis);
-            if rare.kind != OPEN_STICK {
-                let least = least_on_way(rare, query.p, query.direction, query.start);
-                return max(query.sharpness * least.y / least.x, 0.0);
-            }
-            axis = rare.a;
-        }
-        let t = max(nearest_on_way(first.xyz, axis, query.p, query.direction), query.start);
-        return max(query.sharpness * primitive_distance(index, query.p + query.direction * t) / t, 0.0);
+// What is not below `best` may be anything above it.
+fn answer(index: u32, query: Query, best: f32) -> f32 {
+    let first = textureLoad(primitives, texel_at(2u * index), 0);
+    let second = textureLoad(primitives, texel_at(2u * index + 1u), 0);
+    if first.w >= RARE {
+        return rare_answer(rare_of(first, second), query, best);
     }
-    return primitive_distance(index, query.p);
+    if is_way(query) {
+        let t = max(nearest_on_way(first.xyz, second, query.p, query.direction), query.start);
+        return light_at(stick_or_ball_distance(first, second, query.p + query.direction * t), t, query);
+    }
+    return stick_or_ball_distance(first, second, query.p);
+}
+
+// The light that is left where something passes the way at this distance.
+fn light_at(distance: f32, t: f32, query: Query) -> f32 {
+    return max(query.sharpness * distance / t, 0.0);
+}
+
+fn rare_answer(rare: Rare, query: Query, best: f32) -> f32 {
+    // Twin of Field::ball.
+    let radius = rare_radius(rare);
+    let to = rare.center - query.p;
+    let along = dot(to, query.direction);
+    let beside = length(to - query.direction * along) - radius;
+    if select(beside >= best, query.sharpness * beside >= best * max(along + radius, query.start), is_way(query)) {
+        return best;
+    }
+    if !is_way(query) {
+        return dimmed_distance(rare_distance(rare, query.p), query.start, rare.look.z);
+    }
+    if rare.kind >= STICK {
+        let t = max(nearest_on_way(rare.center, rare.a, query.p, query.direction), query.start);
+        return dimmed_way(light_at(rare_distance(rare, query.p + query.direction * t), t, query), rare.look.z);
+    }
+    let least = least_on_way(rare, query.p, query.direction, query.start);
+    return dimmed_way(light_at(least.y, least.x, query), rare.look.z);
 }
 
 // The smallest answer below `limit`, else `limit`. Twin of Hierarchy::visit: nearest first.
@@ -140,7 +174,7 @@ fn visit(query: Query, limit: f32) -> f32 {
         if level == 0u {
             let last = min((node + 1u) * WIDTH, field.counts.y);
             for (var i = node * WIDTH; i < last; i++) {
-                best = min(best, answer(i, query));
+                best = min(best, answer(i, query, best));
             }
             if is_way(query) && best <= 0.0 {
                 return 0.0;
@@ -173,7 +207,7 @@ fn visit(query: Query, limit: f32) -> f32 {
     return best;
 }
 
-// Twin of Field::map without the primitive; asks only what is nearer than `limit`.
-fn map(p: vec3<f32>, limit: f32) -> f32 {
-    return visit(Query(p, vec3<f32>(0.0), 0.0, 0.0), limit);
+// Twin of Field::over_ground.
+fn over_ground(p: vec3<f32>, height: f32, limit: f32) -> f32 {
+    return visit(Query(p, vec3<f32>(0.0), height, 0.0), limit);
 }

@@ -1,5 +1,6 @@
 // From an instance to the visible surface of one sample: the target's clip space, depth, and the packed texel.
 #import "bounds.wgsl"
+#import "opacity.wgsl"
 
 // Twin of render::gpu::layout::PlacementConstants.
 struct PlacementConstants {
@@ -82,32 +83,22 @@ fn target_corner(at: vec2<f32>, low: vec2<f32>, high: vec2<f32>, corner: u32, ne
     return vec4<f32>(ndc.x, -ndc.y, z, 1.0);
 }
 
-// Twin of opacity::is_drawn_in_sample; the sample's turn comes with its constants.
-fn is_drawn_in_sample(id: u32, color: u32) -> bool {
-    let opacity = color >> 24u;
-    if opacity == 255u {
-        return true;
-    }
-    var hash = (id ^ (id >> 16u)) * 0x85ebca6bu;
-    hash = (hash ^ (hash >> 13u)) * 0xc2b2ae35u;
-    hash = hash ^ (hash >> 16u);
-    let turn = one_sample.turn & 0xffffu;
-    let turns = 1u << (one_sample.turn >> 16u);
-    return ((turn + hash) & (turns - 1u)) < (opacity * turns + 127u) / 255u;
-}
-
 struct Surface {
-    // id, depth, normal, colour.
+    // id, depth, normal, colour in sRGB: 10 bits a channel, red lowest.
     @location(0) texel: vec4<u32>,
     @builtin(frag_depth) depth: f32,
 }
 
 // Marks a texel that a primitive covers; the cleared target has 0.
-const COVERED: u32 = 0xff000000u;
+const COVERED: u32 = 0xc0000000u;
 
-fn surface(id: u32, t: f32, normal: vec3<f32>, rgb: u32) -> Surface {
-    let texel = vec4<u32>(id, bitcast<u32>(t), pack_normal(normal), (rgb & 0xffffffu) | COVERED);
-    return Surface(texel, depth_value(t));
+fn surface(id: u32, t: f32, normal: vec3<f32>, color: u32) -> Surface {
+    return Surface(vec4<u32>(id, bitcast<u32>(t), pack_normal(normal), color | COVERED), depth_value(t));
+}
+
+// 8-bit sRGB as the texel holds it: four steps for each.
+fn color_from_srgb8(rgb: u32) -> u32 {
+    return ((rgb & 255u) | ((rgb & 0xff00u) << 2u) | ((rgb & 0xff0000u) << 4u)) << 2u;
 }
 
 // Octahedral, two 16-bit signed parts (Cigolle et al., "A Survey of Efficient Representations for Independent Unit

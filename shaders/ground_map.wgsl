@@ -21,7 +21,7 @@ fn ground_open(p: vec3<f32>) -> f32 {
     for (var tap = 0u; tap < 6u; tap++) {
         let height = taps[tap] * reach;
         let limit = min(height, 1.001 * (bound + (height - below)));
-        let distance = max(map(p + vec3<f32>(0.0, height, 0.0), limit), 0.0);
+        let distance = max(over_ground(p + vec3<f32>(0.0, height, 0.0), height, limit), 0.0);
         bound = distance;
         below = height;
         closed += (height - distance) / height;

@@ -37,5 +37,5 @@ fn fs_sphere(vertex: SphereVertex) -> Surface {
     if !(t < NO_HIT) {
         discard;
     }
-    return surface(vertex.look.y, t, sphere_normal(ray, sphere, near, t), vertex.look.x);
+    return surface(vertex.look.y, t, sphere_normal(ray, sphere, near, t), color_from_srgb8(vertex.look.x));
 }

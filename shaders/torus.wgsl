@@ -107,5 +107,5 @@ fn fs_torus(vertex: TorusVertex) -> Surface {
     if !(t < NO_HIT) {
         discard;
     }
-    return surface(vertex.look.y, t, torus_normal(ray, torus, near, t), vertex.look.x);
+    return surface(vertex.look.y, t, torus_normal(ray, torus, near, t), color_from_srgb8(vertex.look.x));
 }

@@ -81,12 +81,10 @@ fn triangle_of(vertex: TriangleVertex) -> Triangle {
     return Triangle(vertex.center, vertex.a.xyz, vertex.b.xyz, vertex.c.xyz, slack);
 }
 
-// The nearest 8-bit sRGB of a linear colour, red in the lowest byte.
-fn srgb8_from_linear(linear: vec3<f32>) -> u32 {
-    let r = quantise(srgb_from_linear(linear.x)) * 255.0;
-    let g = quantise(srgb_from_linear(linear.y)) * 255.0;
-    let b = quantise(srgb_from_linear(linear.z)) * 255.0;
-    return u32(r + 0.5) | (u32(g + 0.5) << 8u) | (u32(b + 0.5) << 16u);
+// The nearest sRGB of a linear colour that the texel holds.
+fn color_from_linear(linear: vec3<f32>) -> u32 {
+    let steps = COLOR_STEPS * vec3<f32>(srgb_from_linear(linear.x), srgb_from_linear(linear.y), srgb_from_linear(linear.z)) + 0.5;
+    return u32(steps.x) | (u32(steps.y) << 10u) | (u32(steps.z) << 20u);
 }
 
 @fragment
@@ -101,5 +99,5 @@ fn fs_triangle(vertex: TriangleVertex) -> Surface {
     let linear = linear_from_srgb8(vertex.look.x) * weights.x + linear_from_srgb8(vertex.look.y) * weights.y
         + linear_from_srgb8(vertex.look.z) * weights.z;
     let normals = mat3x3<f32>(vertex.normal_a, vertex.normal_b, vertex.normal_c);
-    return surface(vertex.look.w, t, triangle_normal(ray, triangle, weights, normals), srgb8_from_linear(linear));
+    return surface(vertex.look.w, t, triangle_normal(ray, triangle, weights, normals), color_from_linear(linear));
 }

@@ -1,6 +1,7 @@
 // Whether something hides the light of a direction from a point: the twins of src/render/tubes.rs and, for one point at a
 // time, of `walk` in src/render/cpu/reach.rs. Comments stand there.
 #import "distance.wgsl"
+#import "opacity.wgsl"
 #import "cone_hit.wgsl"
 #import "torus_hit.wgsl"
 #import "triangle_hit.wgsl"
@@ -92,11 +93,14 @@ fn is_behind_rare(rare: Rare, p: vec3<f32>, d: vec3<f32>) -> bool {
         triangle.center = center;
         return triangle_t(ray, triangle, 0.0) < NO_HIT;
     }
+    if rare.kind == BALL {
+        return is_behind_sphere(-p, rare.b.x, d);
+    }
     let rows = rotation_to_y(rare.a.xyz);
     if rare.kind == 2u {
         return torus_t(ray, Torus(center, rows[0], rows[1], rows[2], rare.a.w, rare.b.x), 0.0) < NO_HIT;
     }
-    if rare.kind == OPEN_STICK {
+    if rare.kind == STICK {
         let stick = Cylinder(center, rows[0], rows[1], rows[2], rare.a.w, rare.b.x, u32(rare.b.y));
         return cylinder_t(ray, stick, 0.0) < NO_HIT;
     }
@@ -118,9 +122,12 @@ fn ask_caster(index: u32, p: vec3<f32>, d: vec3<f32>, low: f32) -> u32 {
     if first.w >= RARE {
         let at = u32(second.x);
         let kind = u32(first.w / RARE + 0.5);
-        let rare = Rare(kind, first.xyz, caster_texel(at), caster_texel(at + 1u), caster_texel(at + 2u));
+        let rare = Rare(kind, first.xyz, caster_texel(at), caster_texel(at + 1u), caster_texel(at + 2u), caster_texel(at + 3u));
         if dot3(c, d) + rare_top(rare, d) <= low {
             return BELOW;
+        }
+        if !hides_in_sample(u32(rare.look.x) + (u32(rare.look.y) << 16u), u32(rare.look.z)) {
+            return PAST;
         }
         return select(PAST, HIDES, is_behind_rare(rare, p - c, d));
     }

@@ -59,8 +59,8 @@
 //!
 //! - Spheres, cylinders, cones, tori and triangles are intersected exactly, from a ray origin moved to the primitive
 //!   ([`render::cpu::intersect`]); a torus by a march that is safe and near the surface as fast as Newton's.
-//! - See-through primitives are drawn in as many of the samples as their opacity says, without sorting ([`render::opacity`]); below a
-//!   half they throw no shadow, hide no sky, and are not in the channels of ids, depths and normals.
+//! - See-through primitives are drawn in as many of the samples as their opacity says, without sorting, and hide light in as many, so that
+//!   shadows have the share of the opacity ([`render::opacity`]); below a half they are not in the channels.
 //! - Their bounds on the picture are exact for any projection, off-centre parts included ([`render::bounds`]).
 //! - The ground is lit by the scene's distance field: the key light's penumbra from the smallest `sharpness · distance / t` along the way to
 //!   the light, and the sky's part from how far the field falls short above the ground ([`render::field`]). Where one would usually march
@@ -83,9 +83,9 @@
 //!   1,000,000. `--quality draft` goes without.
 //! - On a GPU whose textures are too small for the primitives, or for the tubes of one sample's directions (about 200,000 atoms
 //!   where 2048 texels a side are all), there is no ambient occlusion and no shadow on the molecule.
-//! - A see-through primitive of opacity 0.5 and more throws a full shadow. See-through ones seen through one another take their
-//!   samples each by its id, so that two may show a little more or less than they would by the rules of glass; with 4 samples
-//!   there are only 4 steps of opacity.
+//! - See-through primitives seen through one another take their samples each by its id, so that two may show a little more or less than
+//!   they would by the rules of glass; with 4 samples there are only 4 steps of opacity. Their shadows on the ground do not add up:
+//!   the darkest counts.
 //! - A coarse mesh with smooth normals shades itself where the light grazes it: its faces are flat.
 //! - In a window drawn by a GPU there are no labels while something moves.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.

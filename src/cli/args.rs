@@ -43,6 +43,8 @@ pub enum Command {
     /// Write a structure in another format
     Convert(ConvertArgs),
     /// List graphics devices, and which one is used and why
+    ///
+    /// Best first. WGPU_BACKEND=vulkan, gl, dx12 or metal narrows the choice to one interface, here and in pictures
     Devices,
 }
 
@@ -84,6 +86,9 @@ Channels (--channel) as 16-bit PNG, or as plain numbers in NPY (-o depth.npy):
           background. NPY: f4 (h,w,3)
   id      0 background, 1 + atom index, 1 + number of atoms + bond index, 4294967295 ground.
           PNG: R = id >> 16, G = id & 65535, B = 0. NPY: u4 (h,w)
+  ao      ambient occlusion: the part of the sky that the surface sees, over all directions (--ao,
+          64 where the quality says none); 1 where there is no surface. PNG: grey, 65535 is 1.
+          NPY: f4 (h,w)
 
 Timings (--timings), one JSON object a picture: seconds for read, bonds, scene, render, encode
 and total; peak_memory in bytes (null where the system does not tell); atom_count, bond_count,
@@ -465,6 +470,8 @@ pub enum Channel {
     Depth,
     /// Which atom or bond it is
     Id,
+    /// How much of the sky it sees
+    Ao,
 }
 
 /// `--quality`.
@@ -531,7 +538,8 @@ mod tests {
             "--bonds=perceive",
             "--frame=2",
             "--record=all",
-            "--channel=depth",
+            "--channel=ao",
+            "--ao=64",
             "--region=0,0,10,10",
             "--dpi=600",
             "--quality=high",
@@ -568,7 +576,6 @@ mod tests {
     fn what_is_not_there_is_refused() {
         for flags in [
             &["--ao=257"][..],
-            &["--channel=ao"],
             &["--samples=0"],
             &["--samples=5000"],
             &["--frame=0"],

@@ -14,7 +14,7 @@ use crate::crystal::Drawn;
 use crate::error::{Error, Result};
 use crate::export::atomic;
 use crate::export::picture::{PictureFormat, PictureOptions};
-use crate::render::image::{GBuffer, Image};
+use crate::render::image::{GBuffer, Image, SkyVisibility};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -23,6 +23,7 @@ use std::time::Instant;
 pub(super) enum Pixels {
     Image(Image),
     Surface(GBuffer),
+    Sky(SkyVisibility),
 }
 
 /// Draws structures as the arguments ask.
@@ -78,6 +79,9 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
     if args.channel != Channel::Color && !format.holds_channels() {
         let (channel, name) = (args.channel.name(), format.extensions()[0]);
         return Err(format!("--channel {channel} needs a .png or .npy file: {name} holds no channels"));
+    }
+    if args.channel == Channel::Ao && args.ao == Some(0) {
+        return Err("--channel ao needs directions to ask: --ao 1 to 256".to_owned());
     }
     let side = args.region.map_or(size.width.max(size.height), |r| r.width.max(r.height));
     if side > format.max_side() && args.crop.is_none() {
@@ -302,7 +306,9 @@ mod tests {
 
         fn part(&mut self, Region { width, height, y, .. }: Region, channel: Channel) -> Result<Pixels> {
             let pixels = (width * height) as usize;
-            Ok(if channel == Channel::Color {
+            Ok(if channel == Channel::Ao {
+                Pixels::Sky(SkyVisibility { width, height, open: vec![0.5; pixels] })
+            } else if channel == Channel::Color {
                 if y > 0 && self.red == 2 {
                     return Err(Error::Gpu("lost in the middle".to_owned()));
                 }
@@ -442,8 +448,11 @@ mod tests {
     #[test]
     fn channels_go_into_png_and_npy_and_nothing_else() {
         assert!(run_in_folder(&["one.xyz"], "out/d.npy", &["--channel=depth"]).read("d.npy").ends_with(&[0, 0, 0, 64]));
+        assert!(run_in_folder(&["one.xyz"], "out/a.npy", &["--channel=ao"]).read("a.npy").ends_with(&[0, 0, 0, 63]));
         let run = run_in_folder(&["one.xyz"], "out/d.jpg", &["--channel=depth"]);
         assert!(run.usage.unwrap_err().contains(".npy"));
+        let run = run_in_folder(&["one.xyz"], "out/a.npy", &["--channel=ao", "--ao=0"]);
+        assert!(run.usage.unwrap_err().contains("--ao 1"));
     }
 
     #[test]

@@ -106,6 +106,10 @@ impl Draw for Drawer {
         Ok(match channel {
             Channel::Color => Pixels::Image(renderer.image(&view, &loaded.settings)?),
             Channel::Depth | Channel::Normal | Channel::Id => Pixels::Surface(renderer.gbuffer(&view)?),
+            Channel::Ao => {
+                let asked = if loaded.settings.ao > 0 { loaded.settings } else { Settings::default() };
+                Pixels::Sky(renderer.sky_visibility(&view, asked.ao)?)
+            }
         })
     }
 

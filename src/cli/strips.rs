@@ -14,7 +14,7 @@ use std::time::Instant;
 /// up to 4096 × 4096 it is one. Chosen.
 const COLOR_PIXELS: u32 = 1 << 24;
 
-/// Pixels of a strip of depth, normals and ids, which take some 30 bytes each while they are found.
+/// Pixels of a strip of depth, normals, ids and the sky's part, which take some 30 bytes each while they are found.
 const SURFACE_PIXELS: u32 = 1 << 22;
 
 /// Rows of a tile of the CPU renderer: fewer would be drawn for nothing.
@@ -111,6 +111,7 @@ fn content(pixels: &Pixels, channel: Channel) -> Result<Content<'_>> {
         (Pixels::Surface(surface), Channel::Depth) => Content::Depth(surface),
         (Pixels::Surface(surface), Channel::Normal) => Content::Normal(surface),
         (Pixels::Surface(surface), Channel::Id) => Content::Id(surface),
+        (Pixels::Sky(sky), Channel::Ao) => Content::Ao(sky),
         _ => return Err(Error::Unsupported("the renderer drew another channel than asked for".to_owned())),
     })
 }

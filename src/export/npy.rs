@@ -9,7 +9,7 @@ use std::io::{self, Write};
 pub(super) fn begin((width, height): (u32, u32), layer: Layer, out: &mut dyn Write) -> io::Result<()> {
     let (kind, last) = match layer {
         Layer::Color => ("|u1", ", 4"),
-        Layer::Depth { .. } => ("<f4", ""),
+        Layer::Depth { .. } | Layer::Ao => ("<f4", ""),
         Layer::Normal => ("<f4", ", 3"),
         Layer::Id => ("<u4", ""),
     };
@@ -22,6 +22,7 @@ pub(super) fn strip(content: Content<'_>, out: &mut dyn Write) -> io::Result<()>
         Content::Color(image) => out.write_all(&image.rgba),
         Content::Depth(buffer) => write_words(buffer.depth.iter().map(|x| x.to_le_bytes()), out),
         Content::Normal(buffer) => write_words(buffer.normal.iter().flatten().map(|x| x.to_le_bytes()), out),
+        Content::Ao(sky) => write_words(sky.open.iter().map(|x| x.to_le_bytes()), out),
         Content::Id(buffer) => write_words(buffer.id.iter().map(|x| x.to_le_bytes()), out),
     }
 }
@@ -51,7 +52,7 @@ fn write_words(words: impl Iterator<Item = [u8; 4]>, out: &mut dyn Write) -> io:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::image::{GBuffer, Image};
+    use crate::render::image::{GBuffer, Image, SkyVisibility};
 
     fn array(content: Content<'_>) -> (String, Vec<u8>) {
         let mut bytes = Vec::new();
@@ -83,6 +84,9 @@ mod tests {
         let (header, data) = array(Content::Normal(&buffer));
         assert!(header.contains("(1, 2, 3)"));
         assert_eq!((data.len(), &data[8..12]), (24, &(-1.0f32).to_le_bytes()[..]));
+        let (header, data) = array(Content::Ao(&SkyVisibility { width: 1, height: 2, open: vec![0.25, 1.0] }));
+        assert!(header.contains("'<f4'") && header.contains("(2, 1)"));
+        assert_eq!(data, [0.25f32.to_le_bytes(), 1.0f32.to_le_bytes()].concat());
         let image = Image { width: 1, height: 2, rgba: (0..8).collect() };
         let (header, data) = array(Content::Color(&image));
         assert!(header.contains("'|u1'") && header.contains("(2, 1, 4)"));

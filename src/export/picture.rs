@@ -17,6 +17,7 @@
 //!   `(0, 0, 0)` for the background. NPY `<f4 (h, w, 3)`, zero for the background.
 //! - **id**, 0 background, 1 + index of an atom, 1 + number of atoms + index of a bond, 4294967295 ground: 16-bit RGB
 //!   PNG with `R = id >> 16`, `G = id & 0xffff`, `B = 0`. NPY `<u4`.
+//! - **ao**, the part of the sky that the surface sees, 1 where there is none: 16-bit grey PNG, 65535 for 1. NPY `<f4`.
 //!
 //! A file has an alpha channel if [`PictureOptions::alpha`] says so, whatever the pixels are: that is known before the first of
 //! them. So [`PictureFile`] can write a picture strip by strip as it is drawn. JPEG and WebP are gathered in memory, 3 or
@@ -28,7 +29,7 @@ use super::npy;
 use super::png::PngFile;
 use crate::color::Srgb8;
 use crate::error::{Error, Result};
-use crate::render::image::{GBuffer, Image};
+use crate::render::image::{GBuffer, Image, SkyVisibility};
 use image::ImageEncoder;
 use std::io::{self, Write};
 use std::path::Path;
@@ -105,7 +106,7 @@ impl PictureFormat {
         matches!(self, PictureFormat::Png | PictureFormat::Jpeg)
     }
 
-    /// Whether the file holds depth, normals and ids.
+    /// Whether the file holds depth, normals, ids and the sky's part.
     #[must_use]
     pub fn holds_channels(self) -> bool {
         matches!(self, PictureFormat::Png | PictureFormat::Npy)
@@ -139,6 +140,8 @@ pub enum Layer {
     Normal,
     /// What is seen.
     Id,
+    /// How much of the sky the surface sees.
+    Ao,
 }
 
 /// The pixels of a picture or of some of its rows.
@@ -152,6 +155,8 @@ pub enum Content<'a> {
     Normal(&'a GBuffer),
     /// What is seen.
     Id(&'a GBuffer),
+    /// How much of the sky the surface sees.
+    Ao(&'a SkyVisibility),
 }
 
 impl Content<'_> {
@@ -160,6 +165,7 @@ impl Content<'_> {
     pub fn size(&self) -> (u32, u32) {
         match self {
             Content::Color(image) => (image.width, image.height),
+            Content::Ao(sky) => (sky.width, sky.height),
             Content::Depth(buffer) | Content::Normal(buffer) | Content::Id(buffer) => (buffer.width, buffer.height),
         }
     }
@@ -175,6 +181,7 @@ impl Content<'_> {
             }
             Content::Normal(_) => Layer::Normal,
             Content::Id(_) => Layer::Id,
+            Content::Ao(_) => Layer::Ao,
         }
     }
 
@@ -188,6 +195,7 @@ impl Content<'_> {
             Content::Depth(buffer) => buffer.depth.len(),
             Content::Normal(buffer) => buffer.normal.len(),
             Content::Id(buffer) => buffer.id.len(),
+            Content::Ao(sky) => sky.open.len(),
         };
         pixels == Some(found) && found > 0
     }
@@ -322,6 +330,7 @@ impl<'a> PictureFile<'a> {
                 | (Content::Depth(_), Layer::Depth { .. })
                 | (Content::Normal(_), Layer::Normal)
                 | (Content::Id(_), Layer::Id)
+                | (Content::Ao(_), Layer::Ao)
         );
         if !content.is_consistent() || !same_layer || width != self.width || height > self.rows_left {
             return refuse(TORN.to_owned());

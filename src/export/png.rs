@@ -71,6 +71,7 @@ impl<'a> PngFile<'a> {
                 texts.push(("far_angstrom".to_owned(), far.to_string()));
                 (ColorType::Grayscale, BitDepth::Sixteen, 2)
             }
+            Layer::Ao => (ColorType::Grayscale, BitDepth::Sixteen, 2),
             Layer::Normal | Layer::Id => (ColorType::Rgb, BitDepth::Sixteen, 6),
         };
         let mut encoder = Encoder::new(out, width, height);
@@ -116,6 +117,7 @@ impl<'a> PngFile<'a> {
                     let Layer::Depth { near, far } = self.layer else { continue };
                     words(out, buffer.depth[pixels].iter().map(|&depth| depth_value(depth, near, far)));
                 }
+                Content::Ao(sky) => words(out, sky.open[pixels].iter().map(|&open| unit_value(open))),
                 Content::Normal(buffer) => {
                     words(out, buffer.normal[pixels].iter().flat_map(|&normal| normal_value(normal)));
                 }
@@ -183,11 +185,16 @@ fn depth_value(depth: f32, near: f32, far: f32) -> u16 {
     1 + (nearness * 65534.0).round() as u16
 }
 
+/// 0 to 1 in all 16 bits.
+fn unit_value(x: f32) -> u16 {
+    (x * 65535.0).round() as u16 // `as` clamps
+}
+
 fn normal_value(normal: [f32; 3]) -> [u16; 3] {
     if normal == [0.0; 3] {
         return [0; 3];
     }
-    normal.map(|x| ((x * 0.5 + 0.5) * 65535.0).round() as u16) // `as` clamps
+    normal.map(|x| unit_value(x * 0.5 + 0.5))
 }
 
 #[cfg(test)]
@@ -195,7 +202,7 @@ mod tests {
     use super::*;
     use crate::color::Srgb8;
     use crate::export::picture::{self, PictureFormat};
-    use crate::render::image::{GBuffer, Image};
+    use crate::render::image::{GBuffer, Image, SkyVisibility};
 
     fn decode(content: Content<'_>, options: &PictureOptions) -> (::png::Info<'static>, Vec<u8>) {
         let mut file = Vec::new();
@@ -229,6 +236,14 @@ mod tests {
         let options = PictureOptions { background: Srgb8::rgb(7, 8, 9), ..PictureOptions::default() };
         let (info, data) = decode(Content::Color(&image), &options);
         assert_eq!((info.color_type, data), (ColorType::Rgb, vec![7, 8, 9, 4, 5, 6]));
+    }
+
+    #[test]
+    fn sky_visibility_takes_all_sixteen_bits() {
+        let sky = SkyVisibility { width: 3, height: 1, open: vec![0.0, 0.5, 1.0] };
+        let (info, data) = decode(Content::Ao(&sky), &PictureOptions::default());
+        assert_eq!((info.color_type, info.bit_depth), (ColorType::Grayscale, BitDepth::Sixteen));
+        assert_eq!(words(&data), [0, 32768, 65535]);
     }
 
     #[test]

@@ -2,7 +2,9 @@
 //!
 //! `map(p)` is the smallest distance from `p` to any primitive (a union by `min`, with the primitive that gives it). A
 //! hierarchy asks only primitives nearer than what matters. The ground's light is found once per texel of a map on
-//! the plane (see [`super::frame::GroundGrid`]) and interpolated. What is see-through by more than a half is no part of the field.
+//! the plane (see [`super::frame::GroundGrid`]) and interpolated. What is see-through takes the share of its opacity of the light that it
+//! would take if it were opaque: of things that shade one another the darkest counts, so that the many triangles of one surface are one
+//! shadow.
 //! `shaders/ground_map.wgsl` and `shaders/field.wgsl` hold the twins.
 
 use super::distance::{cone_distance, cylinder_distance, sphere_distance, torus_distance, triangle_distance};
@@ -29,10 +31,10 @@ const TORUS_STARTS: u32 = 8;
 pub const OCCLUSION_TAPS: [f32; 6] = [0.03, 0.07, 0.16, 0.33, 0.6, 1.0];
 
 impl Field {
-    /// The field of all primitives of a scene that throw shadows.
+    /// The field of all primitives of a scene.
     #[must_use]
     pub fn new(scene: &Scene) -> Field {
-        let solids = Solids::casting(scene, Affine3A::IDENTITY);
+        let solids = Solids::new(scene, Affine3A::IDENTITY);
         let hierarchy = Hierarchy::new(&solids.bounds());
         Field { solids, hierarchy }
     }
@@ -75,20 +77,46 @@ impl Field {
                 (t, cylinder_distance(p + direction * t, cylinder))
             }
             Primitive::Cone(i) => {
+                let (center, radius) = self.ball(index);
+                least_on_way(way, center, radius, 1, |p| cone_distance(p, &self.solids.cones[i]))
+            }
+            Primitive::Torus(i) => {
+                let (center, radius) = self.ball(index);
+                least_on_way(way, center, radius, TORUS_STARTS, |p| torus_distance(p, &self.solids.tori[i]))
+            }
+            Primitive::Triangle(i) => {
+                let (center, radius) = self.ball(index);
+                least_on_way(way, center, radius, 1, |p| triangle_distance(p, &self.solids.triangles[i]))
+            }
+        }
+    }
+
+    /// Whether a primitive takes so long to ask that the ball around it is asked before: others are as quick as that.
+    fn is_slow(&self, index: usize) -> bool {
+        index >= self.solids.spheres.len() + self.solids.cylinders.len()
+    }
+
+    /// The opacity of a primitive; costs nothing where all are opaque.
+    fn opacity(&self, index: usize) -> u8 {
+        if self.solids.see_through { self.solids.opacity(index) } else { u8::MAX }
+    }
+
+    /// The ball around a slow one.
+    fn ball(&self, index: usize) -> (Vec3, f32) {
+        match self.solids.primitive(index) {
+            Primitive::Cone(i) => {
                 let cone = &self.solids.cones[i];
-                let radius = cone.half_length + cone.radii[0].max(cone.radii[1]);
-                least_on_way(way, cone.center, radius, 1, |p| cone_distance(p, cone))
+                (cone.center, cone.half_length + cone.radii[0].max(cone.radii[1]))
             }
             Primitive::Torus(i) => {
                 let torus = &self.solids.tori[i];
-                let radius = torus.ring_radius + torus.tube_radius;
-                least_on_way(way, torus.center, radius, TORUS_STARTS, |p| torus_distance(p, torus))
+                (torus.center, torus.ring_radius + torus.tube_radius)
             }
             Primitive::Triangle(i) => {
                 let triangle = &self.solids.triangles[i];
-                let radius = triangle.corners.iter().fold(0.0, |most, corner| corner.length().max(most));
-                least_on_way(way, triangle.center, radius, 1, |p| triangle_distance(p, triangle))
+                (triangle.center, triangle.corners.iter().fold(0.0, |most, corner| corner.length().max(most)))
             }
+            Primitive::Sphere(_) | Primitive::Cylinder(_) => (Vec3::ZERO, f32::INFINITY),
         }
     }
 
@@ -96,13 +124,31 @@ impl Field {
     /// than `limit` are asked: `(limit, None)` where there is none.
     #[must_use]
     pub fn map(&self, p: Vec3, limit: f32) -> (f32, Option<u32>) {
+        self.nearest(p, limit, |_, distance| distance)
+    }
+
+    /// The distance at a point so high above the ground, as far as it shades the ground: what is see-through is farther away.
+    fn over_ground(&self, p: Vec3, height: f32, limit: f32) -> f32 {
+        self.nearest(p, limit, |index, distance| dimmed_distance(distance, height, self.opacity(index))).0
+    }
+
+    /// The smallest of what `of` makes of the primitives' distances, and the primitive; it must not make less of them, nor of what is
+    /// nearer than `limit` more than that.
+    fn nearest(&self, p: Vec3, limit: f32, of: impl Fn(usize, f32) -> f32) -> (f32, Option<u32>) {
         let mut best = (limit, None);
         self.hierarchy.visit(
             &mut best,
             // Inside a box the distance to what it holds may be negative: it is always entered.
             |best, b: &Aabb| Some(b.distance(p)).filter(|&d| d < best.0 || d == 0.0),
             |best, index| {
-                let distance = self.distance(index as usize, p);
+                let i = index as usize;
+                if self.is_slow(i) {
+                    let (center, radius) = self.ball(i);
+                    if center.distance(p) - radius >= best.0 {
+                        return;
+                    }
+                }
+                let distance = of(i, self.distance(i, p));
                 if distance < best.0 {
                     *best = (distance, Some(index));
                 }
@@ -140,8 +186,18 @@ impl Field {
                 (farthest > 0.0 && sharpness * beside < *visible * farthest).then_some(beside)
             },
             |visible, index| {
-                let (t, distance) = self.least_on_way(index as usize, p, to_light, start);
-                *visible = visible.min((sharpness * distance / t).max(0.0));
+                let i = index as usize;
+                if self.is_slow(i) {
+                    let (center, radius) = self.ball(i);
+                    let along = (center - p).dot(to_light);
+                    let beside = (center - p - to_light * along).length() - radius;
+                    if sharpness * beside >= *visible * (along + radius).max(start) {
+                        return;
+                    }
+                }
+                let (t, distance) = self.least_on_way(i, p, to_light, start);
+                let light = (sharpness * distance / t).max(0.0);
+                *visible = visible.min(dimmed_way(light, self.opacity(i)));
             },
         );
         visible * visible * (3.0 - 2.0 * visible)
@@ -158,7 +214,7 @@ impl Field {
             // The field grows by no more than the way: the tap below bounds this one, and most of the walk is saved. (A
             // thousandth more, for rounding.)
             let limit = height.min(1.001 * (bound + (height - below)));
-            let (distance, _) = self.map(p + Vec3::Y * height, limit);
+            let distance = self.over_ground(p + Vec3::Y * height, height, limit);
             (bound, below) = (distance.max(0.0), height);
             closed += (height - distance.max(0.0)) / height;
         }
@@ -182,6 +238,24 @@ impl Field {
         }
         GroundMap { size: grid.size, texels }
     }
+}
+
+/// Where on the scale that [`Field::ground_shadow`] eases (0 dark, 1 light) a shadow stands of which the opacity (0–255) takes its share:
+/// the easing turned round (the root between 0 and 1 of its cubic, by the angle that it is the third part of).
+fn dimmed_way(x: f32, opacity: u8) -> f32 {
+    if opacity == u8::MAX || x >= 1.0 {
+        return x;
+    }
+    let light = 1.0 - f32::from(opacity) / 255.0 * (1.0 - x * x * (3.0 - 2.0 * x));
+    0.5 - ((1.0 - 2.0 * light).clamp(-1.0, 1.0).asin() / 3.0).sin()
+}
+
+/// A distance found so high above the ground that falls short of the height by the opacity's share only.
+fn dimmed_distance(distance: f32, height: f32, opacity: u8) -> f32 {
+    if opacity == u8::MAX {
+        return distance;
+    }
+    height - f32::from(opacity) / 255.0 * (height - distance.max(0.0))
 }
 
 /// Light on the ground.

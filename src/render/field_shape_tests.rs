@@ -109,11 +109,8 @@ fn at_every_hit_the_field_is_zero_and_names_the_primitive() {
     assert!(checked.iter().all(|&n| n > 500), "{checked:?}");
 }
 
-#[test]
-fn the_shadow_is_that_of_the_darkest_point_of_the_way() {
-    let mut scene = random_scene(9, 12, 255);
-    scene.set_ground(true);
-    let field = Field::new(&scene);
+/// The constants of a scene seen from the front.
+fn looked_at(scene: &Scene) -> FrameConstants {
     let camera = Camera {
         eye: Vec3::new(0.0, 0.0, 100.0),
         world_from_view: Quat::IDENTITY,
@@ -122,7 +119,15 @@ fn the_shadow_is_that_of_the_darkest_point_of_the_way() {
         far: 200.0,
         target: Vec3::ZERO,
     };
-    let frame = FrameConstants::new(&scene, &View::new(camera, 100, 100), &Settings::default());
+    FrameConstants::new(scene, &View::new(camera, 100, 100), &Settings::default())
+}
+
+#[test]
+fn the_shadow_is_that_of_the_darkest_point_of_the_way() {
+    let mut scene = random_scene(9, 12, 255);
+    scene.set_ground(true);
+    let field = Field::new(&scene);
+    let frame = looked_at(&scene);
     let light = frame.key_in_world();
     let (sharpness, start) = (frame.ground_map_size[2], 1e-3 * scene.bounds().size().length());
     let mut random = Random(10);
@@ -142,10 +147,27 @@ fn the_shadow_is_that_of_the_darkest_point_of_the_way() {
 }
 
 #[test]
-fn what_is_hardly_there_is_no_part_of_the_field() {
-    for (opacity, is_there) in [(127, false), (128, true)] {
-        let field = Field::new(&random_scene(1, 5, opacity));
-        assert_eq!(field.solids().is_empty(), !is_there);
-        assert_eq!(field.map(Vec3::ZERO, f32::INFINITY).1.is_some(), is_there);
+fn what_is_see_through_takes_its_share_of_the_light_on_the_ground() {
+    let of = |opacity| {
+        let mut scene = random_scene(9, 12, opacity);
+        scene.set_ground(true);
+        let frame = looked_at(&scene);
+        (Field::new(&scene), frame)
+    };
+    let ((opaque, frame), mut random, mut shaded) = (of(255), Random(10), [0; 2]);
+    for opacity in [0, 64, 128, 230] {
+        let (field, same) = of(opacity);
+        assert_eq!(frame, same);
+        let share = f32::from(opacity) / 255.0;
+        for _ in 0..200 {
+            let p = Vec3::new(random.between(-15.0, 15.0) as f32, frame.ground[0], random.between(-15.0, 15.0) as f32);
+            let (full, part) = (opaque.ground_shadow(&frame, p), field.ground_shadow(&frame, p));
+            assert!((part - (1.0 - share * (1.0 - full))).abs() < 1e-3, "shadow {full} {part} at {opacity}");
+            shaded[0] += u32::from(full < 0.9);
+            let (full, part) = (opaque.ground_open(&frame, p), field.ground_open(&frame, p));
+            assert!((part - (1.0 - share * (1.0 - full))).abs() < 1e-3, "open {full} {part} at {opacity}");
+            shaded[1] += u32::from(full < 0.9);
+        }
     }
+    assert!(shaded.iter().all(|&n| n > 80), "{shaded:?}");
 }

@@ -27,6 +27,19 @@ pub struct GBuffer {
     pub normal: Vec<[f32; 3]>,
 }
 
+/// The part of the sky that the visible surface at each pixel centre sees, rows from the top: ambient occlusion as
+/// [`super::sky`] defines it, over all of its directions and as it is, before a look makes light of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SkyVisibility {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// 0 (nothing) to 1 (all); 1 where there is no primitive, where the near plane cuts one, and where all directions are behind
+    /// the surface.
+    pub open: Vec<f32>,
+}
+
 impl GBuffer {
     /// Id where nothing is seen.
     pub const BACKGROUND: u32 = 0;

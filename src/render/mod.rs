@@ -25,7 +25,7 @@ mod test_shapes;
 mod test_solids;
 pub mod tubes;
 
-pub use image::{GBuffer, Image};
+pub use image::{GBuffer, Image, SkyVisibility};
 pub use select::{Choice, Selection, select};
 pub use settings::{Quality, Settings, View};
 
@@ -55,6 +55,13 @@ pub trait Renderer {
     /// # Errors
     /// If the device is lost or refuses.
     fn gbuffer(&mut self, view: &View) -> Result<GBuffer>;
+
+    /// How much of the sky the surface at the pixel centres of the loaded scene sees, over so many directions (at most
+    /// [`Settings::MOST_DIRECTIONS`]).
+    ///
+    /// # Errors
+    /// If the device is lost or refuses, or cannot hold what hides the sky.
+    fn sky_visibility(&mut self, view: &View, directions: u32) -> Result<SkyVisibility>;
 
     /// What the user should know since the last call: that a device was lost, say, and what draws in its place.
     fn take_notices(&mut self) -> Vec<String> {

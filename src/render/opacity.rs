@@ -5,9 +5,16 @@
 //! dimension of Sobol's sequence, as the first two place the sample in its pixel ([`super::settings::sample_offset`]): with one
 //! of those a see-through edge would move by a quarter of a pixel.
 //!
-//! With one sample (ids, depths, normals, a window in motion) what has an opacity of at least a half is there.
-//! So fainter things throw no shadow and hide no sky, the ground's included ([`super::solids::Solids::casting`]).
-//! `shaders/geometry.wgsl` holds the twin.
+//! Light is hidden in the same way: in each sample by some of the see-through primitives only, so that a shadow has the share of
+//! the opacity ([`hides_in_sample`]). Those must not be the ones that are drawn in the sample. A point behind a see-through surface is
+//! seen exactly where that is not drawn: it would never lie in its shadow, and the inside of a closed shell would be as bright
+//! as if there were none. So hiding goes by the bits of the same turn read backwards, moved by another part of the id's hash: of any run
+//! of turns, as those are in which something is seen through a surface, each part of them holds its share. (Another move of the same
+//! order would not do: whether two runs of turns overlap is luck, and the shadow off by as much as the opacity.) The ground's light, which has
+//! no samples, is dimmed by the share itself ([`super::field`]).
+//!
+//! With one sample (ids, depths, normals, the channel of sky visibility, a window in motion) what has an opacity of at least a half
+//! is there, and hides light. `shaders/opacity.wgsl` holds the twin.
 
 /// Sobol's third dimension as a 32-bit fraction: primitive polynomial x² + x + 1, first numbers 1 and 3 (Joe and Kuo, SIAM J.
 /// Sci. Comput. 2008, 30, 2635).
@@ -52,10 +59,22 @@ pub fn is_drawn_in_sample(sample_index: u32, sample_count: u32, id: u32, opacity
     (turn.wrapping_add(hash(id)) & (turns - 1)) < (u32::from(opacity) * turns + 127) / 255
 }
 
-/// Whether it is there where one sample has to do.
+/// Whether a primitive with this id and opacity (0–255) hides light in a sample: in as many of the samples as are nearest to its
+/// opacity, whichever of them it is drawn in.
 #[must_use]
-pub fn is_drawn_once(opacity: u8) -> bool {
-    is_drawn_in_sample(0, 1, 0, opacity)
+pub fn hides_in_sample(sample_index: u32, sample_count: u32, id: u32, opacity: u8) -> bool {
+    if opacity == u8::MAX {
+        return true;
+    }
+    let (turn, turns) = sample_turn(sample_index, sample_count);
+    let turn = backwards(turn, turns);
+    (turn.wrapping_add(hash(id) >> 16) & (turns - 1)) < (u32::from(opacity) * turns + 127) / 255
+}
+
+/// A turn with its bits in the other order.
+#[must_use]
+pub fn backwards(turn: u32, turns: u32) -> u32 {
+    ((u64::from(turn.reverse_bits()) * u64::from(turns)) >> 32) as u32
 }
 
 #[cfg(test)]
@@ -78,11 +97,40 @@ mod tests {
     }
 
     #[test]
+    fn it_hides_light_in_as_many_samples_and_in_its_share_of_those_that_see_through_it() {
+        let hidden = |samples: u32, id, opacity, other: u32| {
+            let behind = |s: &u32| !is_drawn_in_sample(*s, samples, other, opacity);
+            let seen: Vec<u32> = (0..samples).filter(behind).collect();
+            let hides = seen.iter().filter(|&&s| hides_in_sample(s, samples, id, opacity)).count();
+            (hides as f64, seen.len() as f64)
+        };
+        for samples in [4, 16, 64] {
+            let (mut squares, mut cases, mut bias) = (0.0, 0.0, 0.0);
+            for id in 0..400 {
+                for opacity in (0..=255).step_by(5) {
+                    let hides = (0..samples).filter(|&s| hides_in_sample(s, samples, id, opacity)).count() as u32;
+                    assert_eq!(hides, count(samples, id, opacity));
+                    // Seen through itself, and through another.
+                    for other in [id, id + 1000] {
+                        let (hides, seen) = hidden(samples, id, opacity, other);
+                        let off = hides - seen * f64::from(count(samples, id, opacity)) / f64::from(samples);
+                        (squares, cases, bias) = (squares + off * off, cases + 1.0, bias + off);
+                        assert!(off.abs() <= 3.0, "{samples} {id} {other} {opacity}: {off}");
+                    }
+                }
+            }
+            let rms: f64 = f64::sqrt(squares / cases);
+            println!("{samples} samples: off by {rms:.2} of them, {:.3} in the mean", bias / cases);
+            assert!(rms < 0.7 && (bias / cases).abs() < 0.1, "{samples}: {rms}");
+        }
+        assert!((0..100).all(|id| hides_in_sample(0, 1, id, 128) && !hides_in_sample(0, 1, id, 127)));
+    }
+
+    #[test]
     fn one_sample_shows_what_is_more_there_than_not() {
         for id in 0..100 {
             assert!(!is_drawn_in_sample(0, 1, id, 127) && is_drawn_in_sample(0, 1, id, 128));
         }
-        assert!(is_drawn_once(128) && !is_drawn_once(127) && is_drawn_once(255));
     }
 
     #[test]

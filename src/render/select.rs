@@ -1,7 +1,7 @@
 //! Which renderer draws, and what happens when a device is lost: the only file that knows both renderers.
 
 use super::cpu::CpuRenderer;
-use super::{GBuffer, Image, Renderer, Settings, View};
+use super::{GBuffer, Image, Renderer, Settings, SkyVisibility, View};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use std::sync::Arc;
@@ -136,6 +136,10 @@ impl Renderer for WithFallback {
         self.draw(|renderer| renderer.gbuffer(view))
     }
 
+    fn sky_visibility(&mut self, view: &View, directions: u32) -> Result<SkyVisibility> {
+        self.draw(|renderer| renderer.sky_visibility(view, directions))
+    }
+
     fn take_notices(&mut self) -> Vec<String> {
         std::mem::take(&mut self.notices)
     }
@@ -172,6 +176,10 @@ mod tests {
         fn gbuffer(&mut self, _view: &View) -> Result<GBuffer> {
             Err(Error::Gpu("the device was lost".to_owned()))
         }
+
+        fn sky_visibility(&mut self, _view: &View, _directions: u32) -> Result<SkyVisibility> {
+            Err(Error::Gpu("the device was lost".to_owned()))
+        }
     }
 
     #[test]
@@ -187,6 +195,7 @@ mod tests {
         let notices = renderer.take_notices();
         assert_eq!(notices, ["GPU: the device was lost; the CPU renderer takes over"]);
         assert!(renderer.gbuffer(&view).is_ok());
+        assert_eq!(renderer.sky_visibility(&view, 4).unwrap().open, [1.0; 16]);
         assert_eq!((renderer.name().as_str(), renderer.take_notices().len()), ("cpu", 0));
     }
 }

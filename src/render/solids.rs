@@ -3,7 +3,7 @@
 //! What has no extent (no length, no radius, no area, or numbers that are none) is left out here, so that nobody who draws has to
 //! ask.
 
-use super::opacity::{is_drawn_in_sample, is_drawn_once};
+use super::opacity::{hides_in_sample, is_drawn_in_sample};
 use crate::color::Srgb8;
 use crate::math::{Aabb, rotation_to_y};
 use crate::scene::{ConeInstance, CylinderInstance, Placement, Scene, SphereInstance, TorusInstance, TriangleInstance};
@@ -307,66 +307,49 @@ impl Solids {
     /// All primitives of a scene in the space of `space_from_world`.
     #[must_use]
     pub fn new(scene: &Scene, space_from_world: Affine3A) -> Solids {
-        Solids::filtered(scene, space_from_world, |_| true)
-    }
-
-    /// Those of them that throw shadows and hide the sky: see-through ones from an opacity of a half on.
-    #[must_use]
-    pub fn casting(scene: &Scene, space_from_world: Affine3A) -> Solids {
-        Solids::filtered(scene, space_from_world, is_drawn_once)
-    }
-
-    fn filtered(scene: &Scene, space_from_world: Affine3A, keep: fn(u8) -> bool) -> Solids {
         let mut solids = Solids::default();
         for placement in &scene.placements {
-            solids.add(scene, placement, space_from_world * placement.world_from_block, keep);
+            solids.add(scene, placement, space_from_world * placement.world_from_block);
         }
         solids
     }
 
-    fn add(&mut self, scene: &Scene, placement: &Placement, space_from_block: Affine3A, keep: fn(u8) -> bool) {
+    fn add(&mut self, scene: &Scene, placement: &Placement, space_from_block: Affine3A) {
         let block = &scene.blocks[placement.block];
         let id = |local: u32| placement.first_id.saturating_add(local);
-        let mut opacity = u8::MAX;
-        let mut kept = |a: u8| {
-            opacity = opacity.min(a);
-            keep(a)
-        };
-        if block.spheres.iter().fold(true, |all, sphere| all & kept(sphere.color.a)) {
-            let spheres = block.spheres.par_iter().with_min_len(4096);
-            self.spheres.par_extend(spheres.map(|s| Sphere::new(s, &space_from_block)));
-            self.sphere_looks.extend(block.spheres.iter().map(|s| (s.color, id(s.id))));
-        } else {
-            let spheres = || block.spheres.iter().filter(|s| keep(s.color.a));
-            self.spheres.extend(spheres().map(|s| Sphere::new(s, &space_from_block)));
-            self.sphere_looks.extend(spheres().map(|s| (s.color, id(s.id))));
-        }
-        block.cylinders.iter().for_each(|c| _ = kept(c.color_a.a));
-        let sticks = block.cylinders.par_iter().with_min_len(4096).filter(|c| keep(c.color_a.a));
+        let spheres = block.spheres.par_iter().with_min_len(4096);
+        self.spheres.par_extend(spheres.map(|s| Sphere::new(s, &space_from_block)));
+        self.sphere_looks.extend(block.spheres.iter().map(|s| (s.color, id(s.id))));
+        let sticks = block.cylinders.par_iter().with_min_len(4096);
         let sticks: Vec<_> = sticks
             .filter_map(|c| Some((Cylinder::new(c, &space_from_block)?, (c.color_a, c.color_b, id(c.id)))))
             .collect();
         self.cylinders.extend(sticks.iter().map(|(stick, _)| *stick));
         self.cylinder_looks.extend(sticks.iter().map(|(_, looks)| *looks));
-        for instance in block.cones.iter().filter(|cone| kept(cone.color.a)) {
+        for instance in &block.cones {
             if let Some(cone) = Cone::new(instance, &space_from_block) {
                 self.cones.push(cone);
                 self.cone_looks.push((instance.color, id(instance.id)));
             }
         }
-        for instance in block.tori.iter().filter(|torus| kept(torus.color.a)) {
+        for instance in &block.tori {
             if let Some(torus) = Torus::new(instance, &space_from_block) {
                 self.tori.push(torus);
                 self.torus_looks.push((instance.color, id(instance.id)));
             }
         }
-        block.triangles.iter().for_each(|triangle| _ = kept(triangle.colors[0].a));
-        let triangles = block.triangles.par_iter().with_min_len(4096).filter(|t| keep(t.colors[0].a));
+        let triangles = block.triangles.par_iter().with_min_len(4096);
         let triangles: Vec<_> =
             triangles.filter_map(|t| Some((Triangle::new(t, &space_from_block)?, (t.colors, id(t.id))))).collect();
         self.triangles.extend(triangles.iter().map(|(triangle, _)| *triangle));
         self.triangle_looks.extend(triangles.iter().map(|(_, looks)| *looks));
-        self.see_through |= opacity < u8::MAX;
+        let opacities = (block.spheres.iter().map(|s| s.color.a))
+            .chain(block.cylinders.iter().map(|c| c.color_a.a))
+            .chain(block.cones.iter().map(|c| c.color.a))
+            .chain(block.tori.iter().map(|t| t.color.a))
+            .chain(block.triangles.iter().map(|t| t.colors[0].a));
+        // All of them, without a way out: a loop over a million that becomes vector code.
+        self.see_through |= opacities.fold(u8::MAX, u8::min) < u8::MAX;
     }
 
     /// Number of primitives.
@@ -439,5 +422,12 @@ impl Solids {
     #[must_use]
     pub fn is_drawn(&self, index: usize, sample: u32, samples: u32) -> bool {
         !self.see_through || is_drawn_in_sample(sample, samples, self.id(index), self.opacity(index))
+    }
+
+    /// Whether primitive `index` hides light in a sample; costs nothing where all are opaque.
+    #[inline]
+    #[must_use]
+    pub fn hides(&self, index: usize, sample: u32, samples: u32) -> bool {
+        !self.see_through || hides_in_sample(sample, samples, self.id(index), self.opacity(index))
     }
 }

@@ -6,7 +6,8 @@ use crate::scenes::{self, Case};
 use ballstick::crystal::{self, CrystalOptions};
 use ballstick::import::{ImportOptions, read_path};
 use ballstick::render::cpu::{CpuRenderer, reference};
-use ballstick::render::gpu::{AdapterWish, GpuRenderer, adapters};
+use ballstick::render::gpu::layout::SampleConstants;
+use ballstick::render::gpu::{Accumulation, AdapterWish, GpuRenderer, Work, adapters};
 use ballstick::render::{GBuffer, Image, Renderer, Settings, View};
 use ballstick::scene::{
     Background, Block, Item, LabelContent, OverlayOptions, Placement, Projection, Region, Scene, SceneOptions, Style,
@@ -28,12 +29,23 @@ fn skip_or_fail(reason: &str) {
 }
 
 /// A renderer; `None` only where there is no adapter at all. An adapter that cannot be used is a failure.
-fn gpu() -> Option<GpuRenderer> {
+pub(crate) fn gpu() -> Option<GpuRenderer> {
     if adapters().is_empty() {
         skip_or_fail("there is no graphics adapter");
         return None;
     }
     Some(GpuRenderer::new(AdapterWish::Any).unwrap())
+}
+
+/// The same on OpenGL; `None` only where no adapter is reached by it.
+fn opengl() -> Option<GpuRenderer> {
+    if !adapters().iter().any(|adapter| adapter.backend == "gl") {
+        skip_or_fail("there is no OpenGL adapter (on Linux: EGL and a driver)");
+        return None;
+    }
+    let gpu = GpuRenderer::new(AdapterWish::OpenGl).unwrap();
+    assert_eq!(gpu.adapter().unwrap().backend, "gl");
+    Some(gpu)
 }
 
 /// Of so many pixels, so many agree.
@@ -225,9 +237,7 @@ fn case(name: &str) -> Case {
     cases().into_iter().find(|case| case.name == name).unwrap()
 }
 
-#[test]
-fn gpu_and_cpu_draw_the_same_scenes() {
-    let Some(mut gpu) = gpu() else { return };
+fn judge_all_scenes(mut gpu: GpuRenderer) {
     let mut wrong = Vec::new();
     let cases = cases();
     assert!(cases.len() > 20);
@@ -237,6 +247,26 @@ fn gpu_and_cpu_draw_the_same_scenes() {
         }
     }
     assert!(wrong.is_empty(), "{}:\n{}", gpu.name(), wrong.join("\n"));
+}
+
+#[test]
+fn gpu_and_cpu_draw_the_same_scenes() {
+    let Some(gpu) = gpu() else { return };
+    judge_all_scenes(gpu);
+}
+
+#[test]
+fn opengl_and_cpu_draw_the_same_scenes() {
+    let Some(gpu) = opengl() else { return };
+    judge_all_scenes(gpu);
+}
+
+/// Under the limits of the smallest devices, which is what old OpenGL drivers have, in tiles.
+#[test]
+fn opengl_finishes_a_picture_wider_than_a_texture() {
+    let Some(mut whole) = opengl() else { return };
+    let mut small = GpuRenderer::with_limits(AdapterWish::OpenGl, &wgpu::Limits::downlevel_webgl2_defaults()).unwrap();
+    draws_the_same_in_tiles(&mut whole, &mut small);
 }
 
 /// All molecules of data/, in turn as balls and sticks, sticks, and space-filling, in both projections. Large ones are
@@ -348,15 +378,19 @@ fn regions_of_a_picture_are_pieces_of_it() {
 
 #[test]
 fn small_devices_draw_the_same_picture_in_tiles() {
-    let limits = wgpu::Limits::downlevel_webgl2_defaults();
     let Some(mut gpu) = gpu() else { return };
-    let mut small = GpuRenderer::with_limits(AdapterWish::Any, &limits).unwrap();
+    let mut small = GpuRenderer::with_limits(AdapterWish::Any, &wgpu::Limits::downlevel_webgl2_defaults()).unwrap();
+    draws_the_same_in_tiles(&mut gpu, &mut small);
+}
+
+/// `small` is the same device under the smallest limits.
+fn draws_the_same_in_tiles(gpu: &mut GpuRenderer, small: &mut GpuRenderer) {
     let case = case("molecule_on_ground");
     let scene = Arc::new(case.scene.clone());
     // Wider than a texture of the small device, and only a strip of it, to be quick.
     let mut view = View::new(scene.fitted_camera(4.0), 2600, 650);
     view.region = Some(Region { x: 0, y: 300, width: 2600, height: 40 });
-    for renderer in [&mut gpu, &mut small] {
+    for renderer in [&mut *gpu, &mut *small] {
         renderer.load(Arc::clone(&scene)).unwrap();
     }
     for settings in [SETTINGS, QUICK] {
@@ -459,6 +493,56 @@ fn many_placements_and_another_light_need_no_new_upload() {
     judge(&mut gpu, "light from the right", &Arc::new(scene), &view).unwrap();
 }
 
+/// What was made between two looks at the counters.
+fn made(before: Work, after: Work) -> Work {
+    Work {
+        pipelines: after.pipelines - before.pipelines,
+        textures: after.textures - before.textures,
+        buffers: after.buffers - before.buffers,
+        bytes: after.bytes - before.bytes,
+    }
+}
+
+#[test]
+fn the_same_picture_again_makes_nothing_but_what_it_is_handed_back_in() {
+    let Some(mut gpu) = gpu() else { return };
+    let case = case("all_primitives_on_ground");
+    gpu.load(Arc::new(case.scene.clone())).unwrap();
+    let first = gpu.image(&case.view, &QUICK).unwrap();
+    let before = gpu.work();
+    gpu.load(Arc::new(case.scene.clone())).unwrap();
+    assert!(gpu.image(&case.view, &QUICK).unwrap() == first);
+    // The constants of four samples and of their mean; the picture and the buffer it is read from.
+    let bytes = 5 * size_of::<SampleConstants>() as u64;
+    assert_eq!(made(before, gpu.work()), Work { pipelines: 0, textures: 1, buffers: 1, bytes });
+}
+
+#[test]
+fn frames_of_a_resting_window_add_samples_and_nothing_else_and_end_at_the_still() {
+    let Some(mut gpu) = gpu() else { return };
+    for name in ["all_primitives_on_ground", "molecule_on_ground", "fog"] {
+        let case = case(name);
+        gpu.load(Arc::new(case.scene.clone())).unwrap();
+        // In motion, then at rest, sample by sample and a few at a time.
+        let mut sum = Accumulation::default();
+        let in_motion = Settings { samples: 1, ground_texels: 96, ao: 0, shadow: false };
+        gpu.accumulate(&mut sum, &case.view, &in_motion, 0, 1).unwrap();
+        let glance = gpu.shown(&sum).unwrap();
+        let opaque = |image: &Image| image.rgba.chunks_exact(4).all(|pixel| pixel[3] == 255);
+        assert!(opaque(&glance) && glance.rgba.chunks_exact(4).any(|pixel| pixel[..3] != glance.rgba[..3]));
+        gpu.accumulate(&mut sum, &case.view, &FINISHED, 0, 1).unwrap();
+        let before = gpu.work();
+        for (done, add) in [(1, 1), (2, 1), (3, 4), (7, 2), (9, 7)] {
+            gpu.accumulate(&mut sum, &case.view, &FINISHED, done, add).unwrap();
+        }
+        let bytes = 15 * size_of::<SampleConstants>() as u64;
+        assert_eq!(made(before, gpu.work()), Work { bytes, ..Work::default() }, "{name}");
+        let still = gpu.image(&case.view, &FINISHED).unwrap();
+        assert!(gpu.shown(&sum).unwrap() == still, "{name}: the window ends at another picture than the still");
+        assert!(glance != still);
+    }
+}
+
 #[test]
 fn a_lost_device_is_an_error_of_every_call() {
     let Some(mut gpu) = gpu() else { return };
@@ -469,6 +553,7 @@ fn a_lost_device_is_an_error_of_every_call() {
     gpu.lose_device();
     assert!(gpu.image(&case.view, &SETTINGS).is_err());
     assert!(gpu.gbuffer(&case.view).is_err());
+    assert!(gpu.sky_visibility(&case.view, 4).is_err());
     assert!(gpu.load(Arc::new(Scene::from_blocks(vec![Block::default()], vec![]))).is_err());
 }
 

@@ -6,7 +6,7 @@ use ballstick::render::gpu::layout::{
     CONE_ATTRIBUTES, CYLINDER_ATTRIBUTES, FieldConstants, PlacementConstants, SPHERE_ATTRIBUTES, SampleConstants,
     TORUS_ATTRIBUTES, TRIANGLE_ATTRIBUTES,
 };
-use ballstick::render::gpu::{GpuRenderer, shaders};
+use ballstick::render::gpu::{Accumulation, GpuRenderer, shaders};
 use ballstick::render::{Renderer, Settings, View};
 use ballstick::scene::{ConeInstance, CylinderInstance, SphereInstance, TorusInstance, TriangleInstance};
 use std::mem::offset_of;
@@ -181,7 +181,14 @@ fn draws_under(limits: &wgpu::Limits) {
     // Beyond one texture: tiles.
     let wide = View::new(case.view.camera, limits.max_texture_dimension_2d.min(8192) + 70, 5);
     assert_eq!(renderer.image(&wide, &settings).unwrap().rgba.len() as u32, wide.width * 5 * 4);
-    assert_eq!(renderer.gbuffer(&case.view).unwrap().id.len() as u32, case.view.width * case.view.height);
+    let pixels = case.view.width * case.view.height;
+    assert_eq!(renderer.gbuffer(&case.view).unwrap().id.len() as u32, pixels);
+    assert_eq!(renderer.sky_visibility(&case.view, 7).unwrap().open.len() as u32, pixels);
+    let mut sum = Accumulation::default();
+    for done in 0..3 {
+        renderer.accumulate(&mut sum, &case.view, &settings, done, 1).unwrap();
+    }
+    assert_eq!(renderer.shown(&sum).unwrap().rgba.len() as u32, 4 * pixels);
 }
 
 #[test]

@@ -11,6 +11,7 @@
 //! Limits: it holds for points that lie outside of all these bodies, as visible ones do. What is neither of the two, or
 //! see-through, is met only by its bounding disc here, and asked exactly where that is met.
 
+use super::behind::Mask;
 use super::lanes::{LANES, Lanes};
 use crate::math::{max, min};
 use crate::render::solids::{Cylinder, Primitive, Solids};
@@ -43,9 +44,6 @@ pub(super) struct Sight {
     pub(super) tubes: Tubes,
     casters: Vec<Caster>,
 }
-
-/// All bits of a lane, or none.
-pub(super) type Mask = [u32; LANES];
 
 /// Points as they look along a direction.
 pub(super) struct Starts {
@@ -89,7 +87,7 @@ impl Body {
         let other = |index: usize| (solids.box_of(index).center(), -1.0, Vec3::ZERO);
         let body = |index: usize| {
             let (middle, radius, half) = match solids.primitive(index) {
-                _ if solids.see_through => other(index),
+                _ if solids.see_through && solids.opacity(index) < u8::MAX => other(index),
                 Primitive::Sphere(i) => (solids.spheres[i].center, solids.spheres[i].radius, Vec3::ZERO),
                 Primitive::Cylinder(i) if is_capsule(&solids.cylinders[i]) => {
                     let stick = &solids.cylinders[i];

@@ -5,7 +5,8 @@
 //! all that is asked of it. Here the primitives stay as they are; a direction has only the boxes of their clusters in its tubes,
 //! and a ray asks the sixteen primitives of a cluster at once.
 
-use super::casters::{Axes, Body, Mask, Starts, low_of};
+use super::behind::Mask;
+use super::casters::{Axes, Body, Starts, low_of};
 use super::lanes::{LANES, Lanes};
 use crate::math::{max, min};
 use crate::render::solids::Solids;

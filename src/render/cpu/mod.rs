@@ -5,6 +5,7 @@
 //! keeps a small depth buffer.
 
 mod backdrop;
+mod behind;
 mod binning;
 pub mod casters;
 mod clusters;
@@ -17,10 +18,11 @@ mod shader;
 mod simd;
 mod tile;
 pub mod tiles;
+mod visibility;
 
 use super::field::{Field, GroundMap};
 use super::frame::FrameConstants;
-use super::{GBuffer, Image, Renderer, Settings, View, overlay};
+use super::{GBuffer, Image, Renderer, Settings, SkyVisibility, View, overlay, sky};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use reach::Lights;
@@ -113,5 +115,11 @@ impl Renderer for CpuRenderer {
     fn gbuffer(&mut self, view: &View) -> Result<GBuffer> {
         let scene = self.scene.clone().unwrap_or_else(|| Arc::new(Scene::from_blocks(Vec::new(), Vec::new())));
         Ok(tiles::gbuffer(&scene, view))
+    }
+
+    fn sky_visibility(&mut self, view: &View, directions: u32) -> Result<SkyVisibility> {
+        let scene = self.scene.clone().unwrap_or_else(|| Arc::new(Scene::from_blocks(Vec::new(), Vec::new())));
+        let directions = sky::directions(directions.min(Settings::MOST_DIRECTIONS));
+        Ok(visibility::sky_visibility(&scene, view, &directions))
     }
 }

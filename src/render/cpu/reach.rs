@@ -1,20 +1,19 @@
 //! Light from afar for sixteen points at a time: which directions the samples of a picture ask, and which of the points see
 //! the light along them.
 
-use super::casters::{self, Axes, Body, Mask, Starts};
+use super::behind::{Mask, behind};
+use super::casters::{self, Axes, Body, Starts};
 use super::clusters::{self, Clusters};
-use super::intersect::primitive_t;
 use super::lanes::{LANES, Lanes, whole};
 use crate::math::{max, min};
 use crate::render::frame::FrameConstants;
 use crate::render::settings::{Settings, View};
 use crate::render::sky::{Reach, Turns, across};
-use crate::render::solids::{Cylinder, Primitive, Solids};
+use crate::render::solids::Solids;
 use crate::render::tubes::{Tubes, width_of};
-use crate::scene::{Ray, Scene};
+use crate::scene::Scene;
 use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
-use std::borrow::Cow;
 use std::ops::Range;
 
 /// Bytes of sights that are kept at once. Chosen: proteins of 30,000 atoms keep all of 64 + 16 directions.
@@ -33,6 +32,8 @@ pub(super) struct Lights {
     key: Light,
     /// The light that `key` is for, and samples.
     key_of: (Vec3, u32),
+    /// Samples of a pixel.
+    samples: u32,
 }
 
 /// Directions that samples ask in turn.
@@ -79,6 +80,12 @@ impl Lights {
         Lights::default()
     }
 
+    /// These directions of the sky alone, all asked by the one sample of a pixel.
+    pub(super) fn of_sky(directions: &[Vec3]) -> Lights {
+        let turns = Turns { directions: directions.to_vec(), each: directions.len() as u32 };
+        Lights { sky: Light::new(turns), samples: 1, ..Lights::default() }
+    }
+
     /// Whether anything is asked.
     pub(super) fn asks(&self) -> bool {
         self.sky.turns.each + self.key.turns.each > 0
@@ -86,6 +93,7 @@ impl Lights {
 
     /// Sets what is asked, and keeps what was found out if it still holds for this scene.
     pub(super) fn update(&mut self, frame: &FrameConstants, settings: &Settings) {
+        self.samples = settings.samples;
         let sky = [settings.ao.min(Settings::MOST_DIRECTIONS), settings.samples];
         if sky != self.sky_of {
             (self.sky, self.sky_of) = (Light::new(Turns::of_sky(sky[0], sky[1])), sky);
@@ -114,7 +122,7 @@ impl Lights {
 /// What may hide the light in a view.
 pub(super) struct Shadows<'a> {
     /// In view space.
-    solids: Cow<'a, Solids>,
+    solids: &'a Solids,
     view_from_world: Affine3A,
     center_in_view: Vec3,
     crowd: Crowd,
@@ -135,16 +143,12 @@ impl<'a> Shadows<'a> {
     /// In clusters from so many primitives on.
     fn with(scene: &Scene, view: &View, solids: &'a Solids, asks: bool, many: usize) -> Shadows<'a> {
         let view_from_world = view.camera.view_from_world();
-        let solids = match solids.see_through && asks {
-            true => Cow::Owned(Solids::casting(scene, view_from_world)),
-            false => Cow::Borrowed(solids),
-        };
         let center_in_view = view_from_world.transform_point3(scene.bounds().center());
-        let bodies = if asks { Body::all(&solids) } else { Vec::new() };
+        let bodies = if asks { Body::all(solids) } else { Vec::new() };
         let crowd = if bodies.len() < many {
-            Crowd::Each { bodies, width: width_of(&solids) }
+            Crowd::Each { bodies, width: width_of(solids) }
         } else {
-            Crowd::Clusters(Clusters::new(bodies, &solids))
+            Crowd::Clusters(Clusters::new(bodies, solids))
         };
         Shadows { crowd, solids, view_from_world, center_in_view }
     }
@@ -157,7 +161,7 @@ impl<'a> Shadows<'a> {
 
     /// Looks along the directions that these samples ask and no others.
     pub(super) fn look<'l>(&'l self, lights: &'l mut Lights, samples: &Range<u32>) -> Questions<'l> {
-        let Lights { sky, key, .. } = lights;
+        let Lights { sky, key, samples: of_pixel, .. } = lights;
         let mut wanted = Vec::new();
         for Light { turns, sights } in [&mut *sky, &mut *key] {
             for (direction, sight) in sights.iter_mut().enumerate() {
@@ -172,7 +176,7 @@ impl<'a> Shadows<'a> {
         wanted.into_par_iter().with_max_len(1).for_each(|(toward, sight)| {
             let axes = self.axes(toward);
             *sight = Some(match &self.crowd {
-                Crowd::Each { bodies, width } => Sight::Each(casters::Sight::new(bodies, &self.solids, &axes, *width)),
+                Crowd::Each { bodies, width } => Sight::Each(casters::Sight::new(bodies, self.solids, &axes, *width)),
                 Crowd::Clusters(clusters) => Sight::Clusters(clusters::Sight::new(clusters, &axes)),
             });
         });
@@ -186,7 +190,7 @@ impl<'a> Shadows<'a> {
             Crowd::Each { .. } => None,
             Crowd::Clusters(clusters) => Some(clusters),
         };
-        Questions { sky: seen(sky), key: seen(key), solids: &self.solids, clusters }
+        Questions { sky: seen(sky), key: seen(key), solids: self.solids, samples: *of_pixel, clusters }
     }
 }
 
@@ -202,6 +206,8 @@ pub(super) struct Questions<'a> {
     key: Seen<'a>,
     /// What may hide the light, view space.
     solids: &'a Solids,
+    /// Samples of a pixel.
+    samples: u32,
     /// What the sights are of, if not of each primitive.
     clusters: Option<&'a Clusters>,
 }
@@ -232,7 +238,7 @@ impl Questions<'_> {
         for (kind, light, unasked) in [(0, &self.sky, unasked.open), (1, &self.key, unasked.key)] {
             let (mut seen, mut all) = ([0.0f32; LANES], [0.0f32; LANES]);
             for (axes, sight) in light.sights[of_sample(light.turns, sample)].iter().flatten() {
-                self.ask_one(sight, axes, kind == 0, points, (&mut seen, &mut all));
+                self.ask_one(sight, axes, [u32::from(kind == 0), sample], points, (&mut seen, &mut all));
             }
             let told = &mut points.told[kind];
             for lane in 0..LANES {
@@ -247,7 +253,7 @@ impl Questions<'_> {
         &self,
         sight: &Sight,
         axes: &Axes,
-        is_weighted: bool,
+        [is_weighted, sample]: [u32; 2],
         points: &Points,
         (seen, all): (&mut Lanes, &mut Lanes),
     ) {
@@ -259,7 +265,7 @@ impl Questions<'_> {
         for lane in 0..LANES {
             let [nx, ny, nz] = [points.normal[0][lane], points.normal[1][lane], points.normal[2][lane]];
             let facing = max(nx * toward.x + ny * toward.y + nz * toward.z, 0.0);
-            weight[lane] = if is_weighted { facing } else { 1.0 };
+            weight[lane] = if is_weighted != 0 { facing } else { 1.0 };
             all[lane] += weight[lane];
             free[lane] = if facing * points.asks[lane] > 0.0 { u32::MAX } else { 0 };
             asking |= free[lane];
@@ -280,7 +286,9 @@ impl Questions<'_> {
             tube[lane] = whole(row) * tubes.size[0] + whole(column);
         }
         let exactly = |index: u32, free: &mut Mask| {
-            behind(self.solids, index, *toward, points, free);
+            if self.solids.hides(index as usize, sample, self.samples) {
+                behind(self.solids, index, *toward, points, free);
+            }
         };
         // The lanes of one tube at a time; neighbouring pixels mostly share one.
         for lane in 0..LANES {
@@ -307,100 +315,6 @@ impl Questions<'_> {
             }
         }
     }
-}
-
-/// Clears the lanes that a primitive hides the light from, exactly; bits of those that are left.
-#[inline(always)]
-fn behind(solids: &Solids, index: u32, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
-    match solids.primitive(index as usize) {
-        Primitive::Sphere(s) => {
-            let sphere = &solids.spheres[s];
-            behind_sphere(sphere.center, sphere.radius, index, d, points, free)
-        }
-        Primitive::Cylinder(c) if !solids.cylinders[c].is_open() => {
-            let cylinder = &solids.cylinders[c];
-            let mut left = behind_cylinder(cylinder, cylinder.axis().dot(d), index, d, points, free);
-            for (end, round) in cylinder.ends().into_iter().zip(cylinder.round()) {
-                if round {
-                    left = behind_sphere(end, cylinder.radius, index, d, points, free);
-                }
-            }
-            left
-        }
-        _ => behind_other(solids, index, d, points, free),
-    }
-}
-
-/// Clears the lanes that a ball hides the light from; bits of those that are left.
-#[inline(always)]
-fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
-    let r2 = radius * radius;
-    let [px, py, pz] = &points.position;
-    let mut left = 0;
-    for lane in 0..LANES {
-        let (x, y, z) = (c.x - px[lane], c.y - py[lane], c.z - pz[lane]);
-        let along = x * d.x + y * d.y + z * d.z;
-        let away = x * x + y * y + z * z;
-        // Either the ray starts inside, or the ball is ahead and near enough to the ray.
-        let hit = (away < r2) | ((along > 0.0) & (away - along * along < r2));
-        let hides = hit & (points.own[lane] != index);
-        free[lane] = if hides { 0 } else { free[lane] };
-        left |= free[lane];
-    }
-    left
-}
-
-/// Clears the lanes that any primitive hides the light from, one by one; bits of those that are left. A torus, the inside of
-/// an open stick, and a triangle whose normals are not its plane's may hide themselves.
-#[inline(never)]
-fn behind_other(solids: &Solids, index: u32, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
-    let is_convex = matches!(solids.primitive(index as usize), Primitive::Cone(_));
-    let mut left = 0;
-    for lane in 0..LANES {
-        if free[lane] != 0 && !(is_convex && points.own[lane] == index) {
-            let origin = Vec3::from(points.position.map(|axis| axis[lane]));
-            let ray = Ray { origin, direction: d };
-            free[lane] = if primitive_t(&ray, solids, index as usize, 0.0).is_finite() { 0 } else { free[lane] };
-        }
-        left |= free[lane];
-    }
-    left
-}
-
-/// Clears the lanes that a cylinder hides the light from (its ends taken as flat and closed); bits of those that are left.
-/// `cosine` is that of axis and direction. A ray is free where the part of it inside of the endless cylinder (about its point
-/// nearest to the axis) and the one between the planes of the ends do not overlap beyond its start.
-#[inline(always)]
-fn behind_cylinder(cylinder: &Cylinder, cosine: f32, index: u32, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
-    let (c, a, h, radius) = (cylinder.center, cylinder.axis(), cylinder.half_length, cylinder.radius);
-    let n = a.cross(d);
-    let sine2 = n.dot(n);
-    // Along the axis within 1e-3 rad a ray is inside for ever or never.
-    let (parallel, flat) = (sine2 < 1e-6, cosine.abs() < 1e-6);
-    let over_sine2 = if parallel { 0.0 } else { 1.0 / sine2 };
-    let over_cosine = if flat { 0.0 } else { 1.0 / cosine };
-    let wide = f32::MAX;
-    let [px, py, pz] = &points.position;
-    let mut left = 0;
-    for lane in 0..LANES {
-        let (x, y, z) = (px[lane] - c.x, py[lane] - c.y, pz[lane] - c.z);
-        let across = x * n.x + y * n.y + z * n.z;
-        let up = x * a.x + y * a.y + z * a.z;
-        let ahead = x * d.x + y * d.y + z * d.z;
-        let away = x * x + y * y + z * z - ahead * ahead;
-        let inside = if parallel { radius * radius - away } else { radius * radius * sine2 - across * across };
-        let middle = (up * cosine - ahead) * over_sine2;
-        let half = if parallel { wide } else { max(inside, 0.0).sqrt() * over_sine2 };
-        let (to_a, to_b) = ((-h - up) * over_cosine, (h - up) * over_cosine);
-        let level = if up.abs() < h { wide } else { -wide };
-        let (near, far) = (min(to_a, to_b), max(to_a, to_b));
-        let (near, far) = (if flat { -level } else { near }, if flat { level } else { far });
-        let (entry, exit) = (max(middle - half, near), min(middle + half, far));
-        let hides = (inside > 0.0) & (entry < exit) & (exit > 0.0) & (points.own[lane] != index);
-        free[lane] = if hides { 0 } else { free[lane] };
-        left |= free[lane];
-    }
-    left
 }
 
 #[cfg(test)]

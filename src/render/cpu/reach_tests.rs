@@ -78,7 +78,8 @@ const UNASKED: Reach = Reach { open: -1.0, key: -2.0 };
 /// primitives on.
 fn ask(scene: &Scene, sky: &Turns, key: &Turns, points: &[(Vec3, Vec3)], many: usize) -> Vec<Reach> {
     let center = scene.bounds().center();
-    let mut lights = Lights { sky: Light::new(sky.clone()), key: Light::new(key.clone()), ..Lights::default() };
+    let mut lights =
+        Lights { sky: Light::new(sky.clone()), key: Light::new(key.clone()), samples: 1, ..Lights::default() };
     // A view with the world's axes, so that its space is the world's but for the eye.
     let camera = crate::scene::Camera {
         eye: Vec3::new(1.0, -2.0, 30.0),

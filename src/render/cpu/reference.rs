@@ -6,7 +6,7 @@ use crate::math::Aabb;
 use crate::render::field::{Field, GroundMap};
 use crate::render::frame::{FrameConstants, resolve};
 use crate::render::hierarchy::Hierarchy;
-use crate::render::image::{GBuffer, Image};
+use crate::render::image::{GBuffer, Image, SkyVisibility};
 use crate::render::settings::{Settings, View, sample_offset};
 use crate::render::sky::{self, Reach, START_OFFSET, Turns};
 use crate::render::solids::Solids;
@@ -49,8 +49,8 @@ impl Reference {
         best.0.is_finite().then_some((best.1, best.0))
     }
 
-    /// Whether nothing stands between a point and the sky in this direction. What is hardly there hides nothing.
-    fn is_free(&self, ray: &Ray) -> bool {
+    /// Whether nothing stands between a point and the sky in this direction, as far as a sample asks.
+    fn is_free(&self, ray: &Ray, [sample, samples]: [u32; 2]) -> bool {
         let inverse = ray.direction.recip();
         let mut free = true;
         self.hierarchy.visit(
@@ -62,7 +62,7 @@ impl Reference {
             },
             |free, index| {
                 let t = primitive_t(ray, &self.solids, index as usize, 0.0);
-                *free &= t.is_infinite() || !self.solids.is_drawn(index as usize, 0, 1);
+                *free &= t.is_infinite() || !self.solids.hides(index as usize, sample, samples);
             },
         );
         free
@@ -91,12 +91,12 @@ impl Reaches {
         Reaches { sky: turned(sky), key: turned(key), unasked: frame.unasked(), near: view.camera.near }
     }
 
-    fn of(&self, reference: &Reference, ray: &Ray, t: f32, normal: Vec3, sample: u32) -> Reach {
+    fn of(&self, reference: &Reference, ray: &Ray, t: f32, normal: Vec3, [sample, samples]: [u32; 2]) -> Reach {
         if t <= self.near {
             return self.unasked;
         }
         let origin = ray.origin + ray.direction * t + normal * START_OFFSET;
-        let free = |direction| reference.is_free(&Ray { origin, direction });
+        let free = |direction| reference.is_free(&Ray { origin, direction }, [sample, samples]);
         sky::reach(normal, self.sky.of_sample(sample), self.key.of_sample(sample), self.unasked, free)
     }
 }
@@ -136,7 +136,7 @@ pub fn image(scene: &Scene, view: &View, settings: &Settings) -> Image {
                 continue;
             };
             let normal = shader.surface(&ray, index, t).normal;
-            let reach = reaches.of(&reference, &ray, t, normal, sample);
+            let reach = reaches.of(&reference, &ray, t, normal, [sample, samples]);
             sum += shader.primitive(&ray, index, t, reach);
         }
         let pixel = resolve(sum + backdrop * unseen as f32, samples);
@@ -161,4 +161,82 @@ pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
         buffer.push(shader.facts(&ray, reference.nearest(&ray, [0, 1])));
     });
     buffer
+}
+
+/// How much of the sky the surface at the pixel centres sees, over so many directions.
+#[must_use]
+pub fn sky_visibility(scene: &Scene, view: &View, directions: u32) -> SkyVisibility {
+    // The one sample of a pixel asks all of them.
+    let settings = Settings { samples: 1, ao: directions, shadow: false, ..Settings::default() };
+    let frame = FrameConstants::new(scene, view, &settings);
+    let ground_map = GroundMap::none();
+    let reference = Reference::new(scene, view);
+    let shader = Shader::new(&frame, &reference.solids, &ground_map);
+    let reaches = Reaches { unasked: Reach { open: 1.0, key: 1.0 }, ..Reaches::new(&frame, view, &settings) };
+    let (grid, region) = (view.pixel_grid(), view.region());
+    let mut open = Vec::with_capacity(region.width as usize * region.height as usize);
+    for_each_pixel(view, |x, y| {
+        let ray = grid.ray(grid.plane(x + 0.5, y + 0.5));
+        let seen = reference.nearest(&ray, [0, 1]).filter(|&(_, t)| shader.is_seen(&ray, t));
+        open.push(seen.map_or(1.0, |(index, t)| {
+            let normal = shader.surface(&ray, index, t).normal;
+            reaches.of(&reference, &ray, t, normal, [0, 1]).open
+        }));
+    });
+    SkyVisibility { width: region.width, height: region.height, open }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Srgb8;
+    use crate::render::cpu::intersect::primitive_normal;
+    use crate::scene::{Block, Camera, Placement, Projection, SphereInstance};
+    use glam::{Affine3A, Quat};
+
+    /// A ball in a see-through shell, looked at from the front, and the light that reaches the ball's middle in the samples that see it.
+    fn in_a_shell(opacity: u8, id: u32, samples: u32) -> Reach {
+        let ball = SphereInstance { center: [0.0; 3], radius: 0.5, color: Srgb8::WHITE, id: 0 };
+        let shell =
+            SphereInstance { center: [0.1, 0.0, 0.0], radius: 1.5, color: Srgb8 { a: opacity, ..Srgb8::WHITE }, id };
+        let block = Block { spheres: vec![ball, shell], id_count: id + 1, ..Block::default() };
+        let placement = Placement { block: 0, world_from_block: Affine3A::IDENTITY, first_id: 0 };
+        let scene = Scene::from_blocks(vec![block], vec![placement]);
+        let projection = Projection::Orthographic { height: 4.0 };
+        let eye = Vec3::new(0.0, 0.0, 9.0);
+        let camera =
+            Camera { eye, world_from_view: Quat::IDENTITY, projection, near: 0.1, far: 20.0, target: Vec3::ZERO };
+        let view = View::new(camera, 8, 8);
+        let settings = Settings { samples, ao: 64, shadow: true, ground_texels: 16 };
+        let frame = FrameConstants::new(&scene, &view, &settings);
+        let (reference, reaches) = (Reference::new(&scene, &view), Reaches::new(&frame, &view, &settings));
+        let (grid, mut sum, mut seen) = (view.pixel_grid(), Reach { open: 0.0, key: 0.0 }, 0.0);
+        for sample in 0..samples {
+            // Up to the left, where the key light comes from.
+            let ray = grid.ray(grid.plane(3.9, 3.9));
+            if let Some((0, t)) = reference.nearest(&ray, [sample, samples]) {
+                let normal = primitive_normal(&ray, &reference.solids, 0, view.camera.near, t);
+                let reach = reaches.of(&reference, &ray, t, normal, [sample, samples]);
+                (sum.open, sum.key, seen) = (sum.open + reach.open, sum.key + reach.key, seen + 1.0);
+            }
+        }
+        Reach { open: sum.open / seen, key: sum.key / seen }
+    }
+
+    #[test]
+    fn a_see_through_shell_takes_its_share_of_the_light_inside_of_it() {
+        for (opacity, samples) in [(64, 16), (128, 16), (191, 16), (128, 64)] {
+            let left = 1.0 - f32::from(opacity) / 255.0;
+            let (mut mean, mut worst) = ([0.0f32; 2], 0.0f32);
+            for id in 1..61 {
+                let Reach { open, key } = in_a_shell(opacity, id, samples);
+                mean = [mean[0] + open / 60.0, mean[1] + key / 60.0];
+                worst = worst.max((key - left).abs());
+            }
+            println!("{opacity}, {samples} samples: {mean:?} of {left}, at most {worst} off");
+            // Were it the samples in which the shell is not drawn that it does not hide light in, all of it would be left.
+            assert!(mean.iter().all(|m| (m - left).abs() < 0.04) && worst < 0.3, "{opacity}: {mean:?} {worst}");
+        }
+        assert_eq!(in_a_shell(0, 1, 16), Reach { open: 1.0, key: 1.0 });
+    }
 }

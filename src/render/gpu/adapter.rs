@@ -9,6 +9,8 @@ pub enum AdapterWish {
     Hardware,
     /// Real GPUs first, then software adapters (lavapipe, llvmpipe, SwiftShader, WARP).
     Any,
+    /// Only what OpenGL reaches, software too: for tests of that way. `WGPU_BACKEND=gl` makes [`AdapterWish::Any`] the same.
+    OpenGl,
 }
 
 /// What an adapter is.
@@ -67,7 +69,7 @@ impl std::fmt::Display for AdapterReport {
 /// All adapters of this machine, best first; none is an empty list.
 #[must_use]
 pub fn adapters() -> Vec<AdapterReport> {
-    let Some(instance) = instance() else { return Vec::new() };
+    let Some(instance) = instance(None) else { return Vec::new() };
     ranked(&instance).iter().map(AdapterReport::new).collect()
 }
 
@@ -85,12 +87,16 @@ pub(super) fn check_for_hardware() -> Result<()> {
     Ok(())
 }
 
+/// What a window is shown on. OpenGL draws only to windows of the display that it was opened with.
+pub(super) type Display = Box<dyn wgpu::wgt::WgpuHasDisplayHandle>;
+
 /// The way to all backends of this build; `None` if it has none. `WGPU_BACKEND` narrows them.
-pub(super) fn instance() -> Option<wgpu::Instance> {
+pub(super) fn instance(display: Option<Display>) -> Option<wgpu::Instance> {
     if wgpu::Instance::enabled_backend_features().is_empty() {
         return None;
     }
-    Some(wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env()))
+    let descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    Some(wgpu::Instance::new(wgpu::InstanceDescriptor { display, ..descriptor }))
 }
 
 /// Adapters, best first. A function of what the adapters say, so the same machine always gives the same order.
@@ -148,6 +154,10 @@ pub(super) fn open(
         let report = AdapterReport::new(&adapter);
         if wish == AdapterWish::Hardware && report.is_software {
             tried.push(format!("{report}: a software adapter, slower than drawing on the CPU"));
+            continue;
+        }
+        if wish == AdapterWish::OpenGl && adapter.get_info().backend != wgpu::Backend::Gl {
+            tried.push(format!("{report}: not OpenGL"));
             continue;
         }
         if surface.is_some_and(|surface| !adapter.is_surface_supported(surface)) {

@@ -32,6 +32,19 @@ impl Trouble {
     }
 }
 
+/// What was made on the device so far: what can be done once should not be done again.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Pipelines.
+    pub pipelines: u64,
+    /// Textures.
+    pub textures: u64,
+    /// Buffers.
+    pub buffers: u64,
+    /// Bytes that were written to them.
+    pub bytes: u64,
+}
+
 /// A device ready to work.
 #[derive(Debug)]
 pub(super) struct Gpu {
@@ -41,6 +54,7 @@ pub(super) struct Gpu {
     /// What it runs on; `None` for the noop device of tests.
     pub(super) report: Option<AdapterReport>,
     trouble: Arc<Trouble>,
+    work: Mutex<Work>,
 }
 
 impl Gpu {
@@ -57,7 +71,16 @@ impl Gpu {
             on_loss.record(format!("the device is lost ({reason:?}): {message}"));
         });
         let limits = device.limits();
-        Gpu { device, queue, limits, report, trouble }
+        Gpu { device, queue, limits, report, trouble, work: Mutex::default() }
+    }
+
+    /// What was made so far.
+    pub(super) fn work(&self) -> Work {
+        *self.work.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn count(&self, add: impl FnOnce(&mut Work)) {
+        add(&mut self.work.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
     /// Makes every later step fail with this.
@@ -145,12 +168,19 @@ impl Gpu {
     /// A buffer with these bytes, which are at most the limit of a buffer.
     pub(super) fn buffer(&self, label: &str, usage: wgpu::BufferUsages, bytes: &[u8]) -> wgpu::Buffer {
         let buffer = self.empty_buffer(label, usage, bytes.len() as u64);
-        self.queue.write_buffer(&buffer, 0, bytes);
+        self.write(&buffer, bytes);
         buffer
+    }
+
+    /// Writes to the start of a buffer.
+    pub(super) fn write(&self, buffer: &wgpu::Buffer, bytes: &[u8]) {
+        self.count(|work| work.bytes += bytes.len() as u64);
+        self.queue.write_buffer(buffer, 0, bytes);
     }
 
     /// A buffer to write to.
     pub(super) fn empty_buffer(&self, label: &str, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
+        self.count(|work| work.buffers += 1);
         self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size: size.next_multiple_of(4).max(4),
@@ -167,6 +197,7 @@ impl Gpu {
         format: wgpu::TextureFormat,
         usage: wgpu::TextureUsages,
     ) -> wgpu::Texture {
+        self.count(|work| work.textures += 1);
         self.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
             size: wgpu::Extent3d { width: size[0].max(1), height: size[1].max(1), depth_or_array_layers: 1 },

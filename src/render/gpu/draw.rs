@@ -1,95 +1,50 @@
-//! Recording of the passes: geometry, shade, resolve.
+//! From samples to sums and pixels: which passes run, in which order.
 
 use super::device::Gpu;
 use super::instances::Instances;
 use super::layout::SampleConstants;
-use super::pipelines::Pipelines;
+use super::passes::Passes;
+use super::passes::resolve::ResolvePipeline;
+use super::passes::shade::Added;
 use super::sky::Sky;
 use super::targets::Targets;
-use crate::error::Result;
-use crate::render::settings::sample_offset;
+use crate::error::{Error, Result};
 use crate::scene::Region;
+use glam::Vec3;
 use std::collections::VecDeque;
 
 /// Submissions that may be under way; a slow device is not buried in work that nobody may want any more.
 const IN_FLIGHT: usize = 4;
+/// Directions of the sky that are asked in one pass where all are: as many as a sample of a still asks.
+const SKY_SHARE: usize = 4;
 
 /// What all passes of a picture use.
 pub(super) struct Draw<'a> {
     pub(super) gpu: &'a Gpu,
-    pub(super) pipelines: &'a Pipelines,
-    /// Group 0.
-    pub(super) frame_group: &'a wgpu::BindGroup,
-    /// The [`SampleConstants`] of group 0.
-    pub(super) sample_buffer: &'a wgpu::Buffer,
+    pub(super) passes: &'a Passes,
     pub(super) instances: Option<&'a Instances>,
     pub(super) sky: &'a Sky,
     /// Whether the sky or the key light are asked what reaches a surface.
     pub(super) asks: bool,
 }
 
-pub(super) fn cleared(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
-    wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
-    }
-}
-
-pub(super) fn cleared_depth(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
-        stencil_ops: None,
-    }
-}
-
 impl Draw<'_> {
-    /// Sample `done` of `total`.
-    fn set_sample(&self, region: Region, [done, total]: [u32; 2]) {
-        let (origin, size) = ([region.x, region.y], [region.width, region.height]);
-        let (offset, turn) = (sample_offset(done, total), SampleConstants::pack_turn(done, total));
-        let constants = SampleConstants { origin, size, offset, done, turn };
-        self.gpu.queue.write_buffer(self.sample_buffer, 0, bytemuck::bytes_of(&constants));
-    }
-
     /// One sample's visible surface.
     fn geometry(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets, region: Region) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("geometry"),
-            color_attachments: &[Some(cleared(&targets.surface_view))],
-            depth_stencil_attachment: Some(cleared_depth(&targets.depth)),
-            ..wgpu::RenderPassDescriptor::default()
-        });
-        set_part(&mut pass, region);
-        pass.set_bind_group(0, self.frame_group, &[]);
-        if let Some(instances) = self.instances {
-            instances.draw(&self.pipelines.surfaces, &mut pass);
-        }
+        let Passes { frame, geometry, .. } = self.passes;
+        geometry.record(encoder, frame, self.instances, targets, region);
     }
 
-    /// A triangle over the part of the target that the region takes.
-    fn fullscreen(
+    /// Adds to the sum what the shade pass finds of the surface.
+    fn add(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        pipeline: &wgpu::RenderPipeline,
-        groups: &[&wgpu::BindGroup],
-        target: &wgpu::TextureView,
+        added: (Added, u32),
+        sky: &wgpu::BindGroup,
+        targets: &Targets,
         region: Region,
     ) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("fullscreen"),
-            color_attachments: &[Some(cleared(target))],
-            ..wgpu::RenderPassDescriptor::default()
-        });
-        set_part(&mut pass, region);
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, self.frame_group, &[]);
-        for (index, group) in (1..).zip(groups) {
-            pass.set_bind_group(index, *group, &[]);
-        }
-        pass.draw(0..3, 0..1);
+        self.passes.shade.record(encoder, &self.passes.frame, added, sky, targets, region);
     }
 
     /// Adds samples `first..end` of `total` to the sums.
@@ -98,13 +53,11 @@ impl Draw<'_> {
         // Tubes of one sample at a time are large.
         let in_flight = if self.asks && self.sky.is_split() { 1 } else { IN_FLIGHT };
         for done in first..end {
-            let sky_group = self.sky.group(self.gpu, self.pipelines, self.asks, done);
-            self.set_sample(region, [done, total]);
-            let from = (done % 2) as usize;
+            let sky = self.sky.group(self.gpu, self.passes, self.asks, done);
+            self.passes.frame.set_sample(self.gpu, region, [done, total]);
             under_way.push_back(self.gpu.submit("sample", |encoder| {
                 self.geometry(encoder, targets, region);
-                let (groups, target) = ([&targets.shade_groups[from], &sky_group], &targets.sums[1 - from]);
-                self.fullscreen(encoder, &self.pipelines.shade, &groups, target, region);
+                self.add(encoder, (Added::Light, done), &sky, targets, region);
             }));
             if under_way.len() > in_flight
                 && let Some(oldest) = under_way.pop_front()
@@ -117,27 +70,50 @@ impl Draw<'_> {
 
     /// The surface at the pixel centres.
     pub(super) fn surface(&self, targets: &Targets, region: Region) {
-        self.set_sample(region, [0, 1]);
+        self.passes.frame.set_sample(self.gpu, region, [0, 1]);
         self.gpu.submit("surface", |encoder| self.geometry(encoder, targets, region));
     }
 
-    /// Records the mean of `samples` into a target, with a resolve pipeline; the inputs are the sum, the ground's light and what
-    /// else the pipeline's layout of group 1 has.
+    /// The weights of the free and of all of these directions of the sky at the pixel centres; the sum that holds them.
+    pub(super) fn open_sky<'a>(
+        &self,
+        targets: &'a Targets,
+        region: Region,
+        directions: &[Vec3],
+    ) -> Result<&'a wgpu::Texture> {
+        self.surface(targets, region);
+        let mut done = 0;
+        for share in directions.chunks(SKY_SHARE) {
+            let sky = self.sky.of_directions(self.gpu, self.passes, share).ok_or_else(|| {
+                let message = "what hides the sky does not fit the device's textures; --renderer cpu has room";
+                Error::Gpu(message.to_owned())
+            })?;
+            // The centre's sample, whichever share of the directions it asks.
+            let (offset, turn) = ([0.5; 2], SampleConstants::pack_turn(0, 1));
+            let sample = SampleConstants { offset, done, turn, ..SampleConstants::default() };
+            self.passes.frame.set_constants(self.gpu, region, sample);
+            let submission =
+                self.gpu.submit("sky", |encoder| self.add(encoder, (Added::Sky, done), &sky, targets, region));
+            self.gpu.wait(&submission)?;
+            done += 1;
+        }
+        Ok(&targets.sums[(done % 2) as usize])
+    }
+
+    /// The mean of `samples` into a target; the inputs are what the pipeline reads.
     pub(super) fn resolve(
         &self,
-        (pipeline, layout): (&wgpu::RenderPipeline, &wgpu::BindGroupLayout),
+        pipeline: &ResolvePipeline,
         inputs: &[&wgpu::TextureView],
         target: &wgpu::TextureView,
         region: Region,
         samples: u32,
     ) -> wgpu::SubmissionIndex {
-        self.set_sample(region, [samples, samples]);
-        let entry =
-            |(binding, &input)| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(input) };
-        let entries: Vec<_> = (0..).zip(inputs).map(entry).collect();
-        let label = Some("resolve");
-        let group = self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries });
-        self.gpu.submit("resolve", |encoder| self.fullscreen(encoder, pipeline, &[&group], target, region))
+        self.passes.frame.set_sample(self.gpu, region, [samples, samples]);
+        let inputs = pipeline.inputs(self.gpu, inputs);
+        self.gpu.submit("resolve", |encoder| {
+            pipeline.record(encoder, &self.passes.frame, &inputs, target, region);
+        })
     }
 
     /// Hands the rows of a texture's upper left part to `row`.
@@ -172,9 +148,4 @@ impl Draw<'_> {
         }
         Ok(())
     }
-}
-
-fn set_part(pass: &mut wgpu::RenderPass<'_>, region: Region) {
-    pass.set_viewport(0.0, 0.0, region.width as f32, region.height as f32, 0.0, 1.0);
-    pass.set_scissor_rect(0, 0, region.width, region.height);
 }

@@ -5,7 +5,7 @@
 
 use super::device::{Gpu, view_of};
 use super::layout::{FIELD_FORMAT, FIELD_ROW, FieldConstants, GROUND_FORMAT};
-use super::pipelines::Pipelines;
+use super::passes::Passes;
 use crate::error::Result;
 use crate::render::field::Field;
 use crate::render::frame::FrameConstants;
@@ -14,10 +14,6 @@ use crate::render::tubes::Bounds;
 use crate::scene::Scene;
 use glam::Vec3;
 use std::sync::Arc;
-
-/// Texels of one submission: small enough that a slow device finishes it well before its watchdog (2 s on Windows)
-/// wakes. A texel asks the field seven times.
-const TEXELS_A_SUBMISSION: u32 = 16_384;
 
 /// The field of the loaded scene, wherever it can be asked.
 #[derive(Debug)]
@@ -64,83 +60,37 @@ impl Ground {
     }
 
     /// The primitives on the device; `None` where they do not fit it.
-    pub(super) fn casters(&mut self, gpu: &Gpu, pipelines: &Pipelines, scene: &Scene) -> Result<Option<&Casters>> {
-        let field = self.take_field(gpu, pipelines, scene)?;
+    pub(super) fn casters(&mut self, gpu: &Gpu, passes: &Passes, scene: &Scene) -> Result<Option<&Casters>> {
+        let field = self.take_field(gpu, passes, scene)?;
         Ok(match self.field.insert(field) {
             FieldHome::Device { casters, .. } => Some(casters),
             FieldHome::Host(_) => None,
         })
     }
 
-    fn take_field(&mut self, gpu: &Gpu, pipelines: &Pipelines, scene: &Scene) -> Result<FieldHome> {
+    fn take_field(&mut self, gpu: &Gpu, passes: &Passes, scene: &Scene) -> Result<FieldHome> {
         match self.field.take() {
             Some(field) => Ok(field),
-            None => gpu.guard("uploading the distance field", || Ok(FieldHome::new(gpu, pipelines, scene))),
+            None => gpu.guard("uploading the distance field", || Ok(FieldHome::new(gpu, passes, scene))),
         }
     }
 
     /// Makes the map of this frame unless it is there. The frame's uniform is written already.
-    pub(super) fn prepare(
-        &mut self,
-        gpu: &Gpu,
-        pipelines: &Pipelines,
-        frame_group: &wgpu::BindGroup,
-        scene: &Scene,
-        frame: &FrameConstants,
-    ) -> Result<()> {
+    pub(super) fn prepare(&mut self, gpu: &Gpu, passes: &Passes, scene: &Scene, frame: &FrameConstants) -> Result<()> {
         if !frame.has_ground() || self.map.as_ref().is_some_and(|(old, _)| old.same_ground_map(frame)) {
             return Ok(());
         }
         self.map = None;
-        let field = self.take_field(gpu, pipelines, scene)?;
+        let field = self.take_field(gpu, passes, scene)?;
         let size = frame.ground_grid().size;
         let made = gpu.guard("the ground map", || match &field {
-            FieldHome::Device { group, .. } => draw(gpu, pipelines, frame_group, group, size),
+            FieldHome::Device { group, .. } => passes.ground_map.draw(gpu, &passes.frame, group, size),
             FieldHome::Host(field) => Ok(upload(gpu, &field.ground_map(frame))),
         });
         self.field = Some(field);
         self.map = Some((*frame, made?));
         Ok(())
     }
-}
-
-/// Draws the map, a few rows a submission.
-fn draw(
-    gpu: &Gpu,
-    pipelines: &Pipelines,
-    frame_group: &wgpu::BindGroup,
-    field: &wgpu::BindGroup,
-    [width, height]: [u32; 2],
-) -> Result<wgpu::TextureView> {
-    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
-    let map = view_of(&gpu.texture("ground map", [width, height], GROUND_FORMAT, usage));
-    let rows = (TEXELS_A_SUBMISSION / width.max(1)).max(1);
-    let mut before: Option<wgpu::SubmissionIndex> = None;
-    for first in (0..height).step_by(rows as usize) {
-        let submission = gpu.submit("ground map", |encoder| {
-            let load = if first == 0 { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("ground map"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &map,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
-                })],
-                ..wgpu::RenderPassDescriptor::default()
-            });
-            pass.set_pipeline(&pipelines.ground_map);
-            pass.set_bind_group(0, frame_group, &[]);
-            pass.set_bind_group(1, field, &[]);
-            pass.set_scissor_rect(0, first, width, rows.min(height - first));
-            pass.draw(0..3, 0..1);
-        });
-        // One in work, one in line.
-        if let Some(before) = before.replace(submission) {
-            gpu.wait(&before)?;
-        }
-    }
-    Ok(map)
 }
 
 /// A map that was computed on the CPU.
@@ -160,6 +110,7 @@ pub(super) fn write_rows(gpu: &Gpu, texture: &wgpu::Texture, first: u32, [width,
     let rows = ((8 << 20) / row).max(1);
     for (index, part) in bytes.chunks(rows * row).enumerate() {
         let (y, height) = (first + (index * rows) as u32, (part.len() / row) as u32);
+        gpu.count(|work| work.bytes += part.len() as u64);
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture,
@@ -176,13 +127,12 @@ pub(super) fn write_rows(gpu: &Gpu, texture: &wgpu::Texture, first: u32, [width,
 }
 
 impl FieldHome {
-    fn new(gpu: &Gpu, pipelines: &Pipelines, scene: &Scene) -> FieldHome {
+    fn new(gpu: &Gpu, passes: &Passes, scene: &Scene) -> FieldHome {
         let field = Field::new(scene);
         let hierarchy = field.hierarchy();
         let rows = |texels: usize| texels.div_ceil(FIELD_ROW as usize);
         let solids = field.solids();
-        let open = solids.cylinders.iter().filter(|stick| stick.is_open()).count();
-        let rare = open + solids.cones.len() + solids.tori.len() + solids.triangles.len();
+        let rare = rare_count(solids);
         let most = 2 * hierarchy.boxes.len().max(hierarchy.order.len() + 2 * rare);
         let limit = gpu.limits.max_texture_dimension_2d as usize;
         // Node numbers below 2^31, texel numbers that f32 holds, and levels as the shader's table holds them.
@@ -198,15 +148,7 @@ impl FieldHome {
         let boxes = texels(gpu, "field boxes", hierarchy.boxes.iter().map(|b| pair(b.min, 0.0, b.max, 0.0)));
         let primitives = packed(solids, &hierarchy.order);
         let primitives = texels(gpu, "field primitives", primitives.into_iter());
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("field"),
-            layout: &pipelines.field_layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: constants.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&boxes) },
-                wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(&primitives) },
-            ],
-        });
+        let group = passes.ground_map.field(gpu, &constants, [&boxes, &primitives]);
         let bounds = Arc::new(Bounds::in_order(solids, &hierarchy.order));
         FieldHome::Device { group, casters: Casters { texels: primitives, bounds } }
     }
@@ -219,27 +161,40 @@ fn pair(a: Vec3, aw: f32, b: Vec3, bw: f32) -> [[f32; 4]; 2] {
 /// Twin of `RARE` in shaders/distance.wgsl.
 const RARE: f32 = 1e30;
 
+/// How many primitives take more texels than two.
+fn rare_count(solids: &Solids) -> usize {
+    if solids.see_through {
+        return (0..solids.len()).filter(|&index| is_rare(solids, index)).count();
+    }
+    let open = solids.cylinders.iter().filter(|stick| stick.is_open()).count();
+    open + solids.cones.len() + solids.tori.len() + solids.triangles.len()
+}
+
+fn is_rare(solids: &Solids, index: usize) -> bool {
+    let is_plain = match solids.primitive(index) {
+        Primitive::Sphere(_) => true,
+        Primitive::Cylinder(i) => !solids.cylinders[i].is_open(),
+        _ => false,
+    };
+    !is_plain || solids.opacity(index) < u8::MAX
+}
+
 /// Pairs of texels of all primitives in the hierarchy's order, then what the rare ones take more of: the packing that
 /// shaders/field.wgsl and shaders/distance.wgsl describe.
 fn packed(solids: &Solids, order: &[u32]) -> Vec<[[f32; 4]; 2]> {
     let mut pairs = Vec::with_capacity(order.len());
     let mut rest: Vec<[[f32; 4]; 2]> = Vec::new();
-    for &index in order {
-        let mut more = |kind: u32, center: Vec3, [a, b, c]: [[f32; 4]; 3]| {
+    for index in order.iter().map(|&index| index as usize) {
+        if is_rare(solids, index) {
+            let (kind, center, [a, b, c]) = rare(solids, index);
             let first = 2 * (order.len() + rest.len());
-            rest.extend([[a, b], [c, [0.0; 4]]]);
-            pair(center, kind as f32 * RARE, Vec3::X * first as f32, 0.0)
-        };
-        pairs.push(match solids.primitive(index as usize) {
-            Primitive::Sphere(i) => {
-                let sphere = &solids.spheres[i];
-                pair(sphere.center, -sphere.radius, Vec3::ZERO, 0.0)
-            }
-            Primitive::Cylinder(i) if solids.cylinders[i].is_open() => {
-                let stick = &solids.cylinders[i];
-                let axis = stick.axis().extend(stick.half_length).to_array();
-                more(4, stick.center, [axis, [stick.radius, (stick.caps & 15) as f32, 0.0, 0.0], [0.0; 4]])
-            }
+            let id = solids.id(index);
+            let look = [(id & 0xffff) as f32, (id >> 16) as f32, f32::from(solids.opacity(index)), 0.0];
+            rest.extend([[a, b], [c, look]]);
+            pairs.push(pair(center, kind as f32 * RARE, Vec3::X * first as f32, 0.0));
+            continue;
+        }
+        pairs.push(match solids.primitive(index) {
             Primitive::Cylinder(i) => {
                 let stick = &solids.cylinders[i];
                 let signed = |length: f32, round: bool| if round { -length } else { length };
@@ -247,25 +202,41 @@ fn packed(solids: &Solids, order: &[u32]) -> Vec<[[f32; 4]; 2]> {
                 let (radius, half) = (signed(stick.radius, round_a), signed(stick.half_length, round_b));
                 pair(stick.center, radius, stick.axis(), half)
             }
-            Primitive::Cone(i) => {
-                let cone = &solids.cones[i];
-                let [a, b] = cone.radii;
-                let axis = cone.axis().extend(cone.half_length).to_array();
-                more(1, cone.center, [axis, [a, b, 0.0, 0.0], [0.0; 4]])
-            }
-            Primitive::Torus(i) => {
-                let torus = &solids.tori[i];
-                let axis = torus.axis().extend(torus.ring_radius).to_array();
-                more(2, torus.center, [axis, [torus.tube_radius, 0.0, 0.0, 0.0], [0.0; 4]])
-            }
-            Primitive::Triangle(i) => {
-                let triangle = &solids.triangles[i];
-                more(3, triangle.center, triangle.corners.map(|corner| corner.extend(0.0).to_array()))
+            _ => {
+                let sphere = &solids.spheres[index];
+                pair(sphere.center, -sphere.radius, Vec3::ZERO, 0.0)
             }
         });
     }
     pairs.extend(rest);
     pairs
+}
+
+/// Kind, centre and the other three texels of a rare primitive.
+fn rare(solids: &Solids, index: usize) -> (u32, Vec3, [[f32; 4]; 3]) {
+    let texels = |axis: Vec3, length: f32, x: f32, y: f32| [axis.extend(length).to_array(), [x, y, 0.0, 0.0], [0.0; 4]];
+    match solids.primitive(index) {
+        Primitive::Sphere(i) => {
+            let sphere = &solids.spheres[i];
+            (5, sphere.center, texels(Vec3::Y, 0.0, sphere.radius, 0.0))
+        }
+        Primitive::Cylinder(i) => {
+            let stick = &solids.cylinders[i];
+            (4, stick.center, texels(stick.axis(), stick.half_length, stick.radius, (stick.caps & 15) as f32))
+        }
+        Primitive::Cone(i) => {
+            let cone = &solids.cones[i];
+            (1, cone.center, texels(cone.axis(), cone.half_length, cone.radii[0], cone.radii[1]))
+        }
+        Primitive::Torus(i) => {
+            let torus = &solids.tori[i];
+            (2, torus.center, texels(torus.axis(), torus.ring_radius, torus.tube_radius, 0.0))
+        }
+        Primitive::Triangle(i) => {
+            let triangle = &solids.triangles[i];
+            (3, triangle.center, triangle.corners.map(|corner| corner.extend(0.0).to_array()))
+        }
+    }
 }
 
 /// A texture of pairs of texels, row by row.

@@ -2,7 +2,7 @@
 
 use super::device::Gpu;
 use super::layout::{KINDS, PlacementConstants, VERTICES};
-use super::pipelines::Pipelines;
+use super::passes::Passes;
 use crate::error::{Error, Result};
 use crate::scene::{Block, Scene};
 use glam::Affine3A;
@@ -56,7 +56,7 @@ pub(super) struct Instances {
 
 impl Instances {
     /// Uploads a scene.
-    pub(super) fn new(gpu: &Gpu, pipelines: &Pipelines, scene: &Scene) -> Result<Instances> {
+    pub(super) fn new(gpu: &Gpu, passes: &Passes, scene: &Scene) -> Result<Instances> {
         let alignment = gpu.limits.min_uniform_buffer_offset_alignment.max(1);
         let stride = (size_of::<PlacementConstants>() as u32).next_multiple_of(alignment);
         let size = u64::from(stride) * scene.placements.len().max(1) as u64;
@@ -81,7 +81,7 @@ impl Instances {
             let constants = gpu.empty_buffer("placements", wgpu::BufferUsages::UNIFORM, size);
             let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("placements"),
-                layout: &pipelines.placement_layout,
+                layout: &passes.geometry.placement_layout,
                 entries: &[wgpu::BindGroupEntry {
                     binding: 0,
                     resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
@@ -110,7 +110,7 @@ impl Instances {
             slot[..size_of::<PlacementConstants>()].copy_from_slice(bytemuck::bytes_of(&constants));
         }
         if !bytes.is_empty() {
-            gpu.queue.write_buffer(&self.constants, 0, &bytes);
+            gpu.write(&self.constants, &bytes);
         }
     }
 

@@ -1,13 +1,12 @@
 //! Bytes that cross to the device: uniforms, instance attributes, texel packing. Tests compare them with the WGSL.
 
 use crate::render::bounds::TORUS_PIECES;
-use crate::render::frame::FrameConstants;
-use crate::render::opacity::sample_turn;
+use crate::render::opacity::{backwards, sample_turn};
 use glam::{Affine3A, Vec2, Vec3};
 
 /// Twin of the WGSL `SampleConstants`.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct SampleConstants {
     /// Upper left pixel of the target in the full picture.
     pub origin: [u32; 2],
@@ -17,16 +16,17 @@ pub struct SampleConstants {
     pub offset: [f32; 2],
     /// Samples summed before this one; in the resolve pass, all of them.
     pub done: u32,
-    /// The sample's turn among those in which see-through primitives are there, and 65536 times log2 of their number.
+    /// The sample's turns and their number, as [`SampleConstants::pack_turn`] has them.
     pub turn: u32,
 }
 
 impl SampleConstants {
-    /// Turn of sample `index` of `count`, packed.
+    /// Turn of sample `index` of `count` by which see-through primitives are drawn, in 12 bits, that by which they hide light, in 12
+    /// bits, and log2 of the number of turns.
     #[must_use]
     pub fn pack_turn(index: u32, count: u32) -> u32 {
         let (turn, turns) = sample_turn(index, count.min(4096));
-        turn | turns.trailing_zeros() << 16
+        turn | backwards(turn, turns) << 12 | turns.trailing_zeros() << 24
     }
 }
 
@@ -109,9 +109,6 @@ pub const FIELD_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 /// Texels in a row of the field's textures.
 pub const FIELD_ROW: u32 = 2048;
 
-/// Bytes of the frame uniform.
-pub const FRAME_BYTES: u64 = size_of::<FrameConstants>() as u64;
-
 /// Twin of the WGSL `unpack_normal`.
 #[must_use]
 pub fn unpack_normal(bits: u32) -> Vec3 {
@@ -135,6 +132,19 @@ mod tests {
         let p = if n.z < 0.0 { folded } else { p };
         let part = |x: f32| u32::from((0.5 + 32767.0 * x.clamp(-1.0, 1.0)).floor() as i16 as u16);
         part(p.x) | part(p.y) << 16
+    }
+
+    #[test]
+    fn packed_turns_hold_both_orders_and_their_number() {
+        for samples in [1, 2, 16, 64, 4096, 9999] {
+            let count = samples.min(4096);
+            for sample in (0..count).step_by(1 + count as usize / 64) {
+                let (turn, turns) = sample_turn(sample, count);
+                let packed = SampleConstants::pack_turn(sample, samples);
+                assert_eq!((packed & 0xfff, 1 << (packed >> 24)), (turn, turns));
+                assert_eq!(packed >> 12 & 0xfff, backwards(turn, turns));
+            }
+        }
     }
 
     #[test]

@@ -3,7 +3,8 @@
 //! For each sample a geometry pass draws every primitive as a quad that bounds it tightly and intersects the pixel's ray
 //! with it exactly, into one target of id, depth, normal and colour; a shade pass adds the sample's light to a sum; at the
 //! end a resolve pass puts ground or background behind it and makes pixels. The light on the ground is a texture, found
-//! once from the scene's distance field (see [`ground`]).
+//! once from the scene's distance field (see [`ground`]). [`passes`] lists them. What does not change from one picture to the
+//! next is not made again: instances, pipelines, the field, the ground's map, the tubes of the light, targets.
 //!
 //! The path is the one for WebGL2-class devices: instanced vertex buffers, textures read by `textureLoad`, integer
 //! targets, no compute, no storage buffers, no blending. Larger textures and buffers are used where the device has them.
@@ -18,24 +19,27 @@ mod gbuffer;
 mod ground;
 mod instances;
 pub mod layout;
-mod pipelines;
+mod passes;
 pub mod shaders;
 mod sky;
 mod targets;
 mod window;
 
 pub use adapter::{AdapterReport, AdapterWish, adapters};
-pub use window::WindowSurface;
+pub use device::Work;
+pub use window::{Accumulation, WindowSurface};
 
 use super::frame::FrameConstants;
-use super::{GBuffer, Image, Renderer, Settings, View, overlay};
+use super::sky::directions;
+use super::{GBuffer, Image, Renderer, Settings, SkyVisibility, View, overlay};
 use crate::error::{Error, Result};
 use crate::scene::{Region, Scene};
 use device::{Gpu, view_of};
 use draw::Draw;
+use glam::Affine3A;
 use ground::Ground;
 use instances::Instances;
-use pipelines::Pipelines;
+use passes::Passes;
 use sky::Sky;
 use std::sync::Arc;
 use targets::{Targets, tiles};
@@ -47,10 +51,9 @@ const TILE_SIDE: u32 = 8192;
 #[derive(Debug)]
 pub struct GpuRenderer {
     gpu: Gpu,
-    pipelines: Pipelines,
-    frame_buffer: wgpu::Buffer,
-    sample_buffer: wgpu::Buffer,
-    frame_group: wgpu::BindGroup,
+    passes: Passes,
+    /// What the frame's uniform holds, and where the placements' stand; `None` before the first picture.
+    written: Option<(FrameConstants, Affine3A)>,
     scene: Option<Arc<Scene>>,
     instances: Option<Instances>,
     ground: Ground,
@@ -86,40 +89,16 @@ impl GpuRenderer {
     }
 
     fn open(wish: AdapterWish, limits: Option<&wgpu::Limits>) -> Result<GpuRenderer> {
-        let instance = instance(wish)?;
+        let instance = instance(wish, None)?;
         let (gpu, _) = Gpu::new(adapter::open(wish, &instance, None, limits)?);
         GpuRenderer::on(gpu)
     }
 
     fn on(gpu: Gpu) -> Result<GpuRenderer> {
-        let pipelines = Pipelines::new(&gpu)?;
-        let (frame_buffer, sample_buffer, frame_group, ground, sky) = gpu.guard("making the uniforms", || {
-            let uniform = |label, size| gpu.empty_buffer(label, wgpu::BufferUsages::UNIFORM, size);
-            let frame = uniform("frame", layout::FRAME_BYTES);
-            let sample = uniform("sample", size_of::<layout::SampleConstants>() as u64);
-            let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("frame"),
-                layout: &pipelines.frame_layout,
-                entries: &[
-                    wgpu::BindGroupEntry { binding: 0, resource: frame.as_entire_binding() },
-                    wgpu::BindGroupEntry { binding: 1, resource: sample.as_entire_binding() },
-                ],
-            });
-            Ok((frame, sample, group, Ground::new(&gpu), Sky::new(&gpu, &pipelines)))
-        })?;
-        let (scene, instances, targets) = (None, None, None);
-        Ok(GpuRenderer {
-            gpu,
-            pipelines,
-            frame_buffer,
-            sample_buffer,
-            frame_group,
-            scene,
-            instances,
-            ground,
-            sky,
-            targets,
-        })
+        let passes = Passes::new(&gpu)?;
+        let (ground, sky) = gpu.guard("making the light", || Ok((Ground::new(&gpu), Sky::new(&gpu, &passes))))?;
+        let (written, scene, instances, targets) = (None, None, None, None);
+        Ok(GpuRenderer { gpu, passes, written, scene, instances, ground, sky, targets })
     }
 
     /// What it runs on; `None` on the noop backend.
@@ -128,35 +107,57 @@ impl GpuRenderer {
         self.gpu.report.as_ref()
     }
 
+    /// What was made on the device since the renderer is there: the same picture again makes next to nothing.
+    #[must_use]
+    pub fn work(&self) -> Work {
+        self.gpu.work()
+    }
+
     /// Destroys the device, as a driver reset would: every later call is an error. For tests of the fall back to the CPU.
     pub fn lose_device(&self) {
         self.gpu.device.destroy();
     }
 
-    /// Writes everything that depends on scene, camera and settings, but not on tile and sample.
-    fn begin(&mut self, view: &View, settings: &Settings, with_light: bool) -> Result<FrameConstants> {
-        let empty = || Arc::new(Scene::from_blocks(Vec::new(), Vec::new()));
-        let scene = self.scene.clone().unwrap_or_else(empty);
+    /// The loaded scene, or an empty one.
+    fn scene(&self) -> Arc<Scene> {
+        self.scene.clone().unwrap_or_else(|| Arc::new(Scene::from_blocks(Vec::new(), Vec::new())))
+    }
+
+    /// The constants of a picture; the ground's map fits the device.
+    fn constants(&self, scene: &Scene, view: &View, settings: &Settings) -> FrameConstants {
         let max_texels = self.gpu.limits.max_texture_dimension_2d.saturating_sub(2);
         let settings = Settings { ground_texels: settings.ground_texels.min(max_texels), ..*settings };
-        let frame = FrameConstants::new(&scene, view, &settings);
-        let gpu = &self.gpu;
-        // In motion nothing is asked, and the tubes of the picture at rest are kept.
-        if with_light && asks(&settings) {
-            let casters = self.ground.casters(gpu, &self.pipelines, &scene)?;
+        FrameConstants::new(scene, view, &settings)
+    }
+
+    /// Writes everything that depends on scene, camera and settings, but not on tile and sample, unless it is there.
+    fn begin(&mut self, scene: &Scene, view: &View, settings: &Settings) -> Result<FrameConstants> {
+        let frame = self.constants(scene, view, settings);
+        let wanted = (frame, view.camera.view_from_world());
+        if self.written != Some(wanted) {
+            self.gpu.guard("writing the frame", || {
+                self.passes.frame.set(&self.gpu, &frame);
+                if let Some(instances) = &self.instances {
+                    instances.place(&self.gpu, scene, wanted.1);
+                }
+                Ok(())
+            })?;
+            self.written = Some(wanted);
+        }
+        Ok(frame)
+    }
+
+    /// The same with what lights a finished picture: the ground's map, and what hides the light from afar. In motion that is not
+    /// asked, and kept for the picture at rest.
+    fn begin_lit(&mut self, view: &View, settings: &Settings) -> Result<FrameConstants> {
+        let scene = self.scene();
+        let frame = self.begin(&scene, view, settings)?;
+        if asks(settings) {
+            let casters = self.ground.casters(&self.gpu, &self.passes, &scene)?;
             let place = (scene.bounds().center(), frame.key_in_world());
-            self.sky.prepare(gpu, &self.pipelines, casters, place, &settings)?;
+            self.sky.prepare(&self.gpu, &self.passes, casters, place, settings)?;
         }
-        gpu.guard("writing the frame", || {
-            gpu.queue.write_buffer(&self.frame_buffer, 0, bytemuck::bytes_of(&frame));
-            if let Some(instances) = &self.instances {
-                instances.place(gpu, &scene, view.camera.view_from_world());
-            }
-            Ok(())
-        })?;
-        if with_light {
-            self.ground.prepare(gpu, &self.pipelines, &self.frame_group, &scene, &frame)?;
-        }
+        self.ground.prepare(&self.gpu, &self.passes, &scene, &frame)?;
         Ok(frame)
     }
 
@@ -168,16 +169,16 @@ impl GpuRenderer {
         Ok(())
     }
 
-    fn draw(&self, settings: &Settings) -> Draw<'_> {
-        Draw {
-            sky: &self.sky,
-            asks: asks(settings),
-            gpu: &self.gpu,
-            pipelines: &self.pipelines,
-            frame_group: &self.frame_group,
-            sample_buffer: &self.sample_buffer,
-            instances: self.instances.as_ref(),
-        }
+    fn draw(&self, asks: bool) -> Draw<'_> {
+        let (gpu, passes, instances) = (&self.gpu, &self.passes, self.instances.as_ref());
+        Draw { gpu, passes, instances, sky: &self.sky, asks }
+    }
+
+    /// A texture for finished pixels, as large as the largest tile.
+    fn picture(&self, tile: Option<&Region>) -> wgpu::Texture {
+        let size = tile.map_or([1, 1], |tile| [tile.width, tile.height]);
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        self.gpu.texture("picture", size, layout::IMAGE_FORMAT, usage)
     }
 
     /// The tiles of a view and targets that all of them fit.
@@ -186,7 +187,7 @@ impl GpuRenderer {
         let size = tiles.first().map_or([1, 1], |tile| [tile.width, tile.height]);
         let targets = match self.targets.take().filter(|targets| targets.suits(size)) {
             Some(targets) => targets,
-            None => Targets::new(&self.gpu, &self.pipelines, size)?,
+            None => Targets::new(&self.gpu, &self.passes, size)?,
         };
         Ok((tiles, targets))
     }
@@ -197,11 +198,11 @@ fn asks(settings: &Settings) -> bool {
     settings.ao > 0 || settings.shadow
 }
 
-fn instance(wish: AdapterWish) -> Result<wgpu::Instance> {
+fn instance(wish: AdapterWish, display: Option<adapter::Display>) -> Result<wgpu::Instance> {
     if wish == AdapterWish::Hardware {
         adapter::check_for_hardware()?;
     }
-    adapter::instance().ok_or_else(|| Error::Gpu("this build has no graphics backend".to_owned()))
+    adapter::instance(display).ok_or_else(|| Error::Gpu("this build has no graphics backend".to_owned()))
 }
 
 impl Renderer for GpuRenderer {
@@ -216,42 +217,31 @@ impl Renderer for GpuRenderer {
             .is_some_and(|old| Arc::ptr_eq(&old.blocks, &scene.blocks) && old.placements == scene.placements);
         if !same || self.instances.is_none() {
             // The old one goes first: the two together may be more than the device holds.
-            (self.scene, self.instances) = (None, None);
+            (self.scene, self.instances, self.written) = (None, None, None);
             self.ground.clear();
             self.sky.clear();
-            self.instances = Some(Instances::new(&self.gpu, &self.pipelines, &scene)?);
+            self.instances = Some(Instances::new(&self.gpu, &self.passes, &scene)?);
         }
         self.scene = Some(scene);
         Ok(())
     }
 
     fn image(&mut self, view: &View, settings: &Settings) -> Result<Image> {
-        let frame = self.begin(view, settings, true)?;
+        let frame = self.begin_lit(view, settings)?;
         let region = view.region();
         let (tiles, targets) = self.tiles(region)?;
         let samples = settings.samples.clamp(1, 4096);
         let mut rgba = zeroed(region, 4)?;
-        let draw = self.draw(settings);
+        let draw = self.draw(asks(settings));
         self.gpu.guard("drawing", || {
-            let size = tiles.first().map_or([1, 1], |tile| [tile.width, tile.height]);
-            let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
-            let picture = self.gpu.texture("picture", size, layout::IMAGE_FORMAT, usage);
+            let picture = self.picture(tiles.first());
             let picture_view = view_of(&picture);
+            let pipeline = self.passes.resolve.image();
             for &tile in &tiles {
                 draw.samples(&targets, tile, [0, samples], samples)?;
-                let inputs = [&targets.sums[(samples % 2) as usize], self.ground.light(&frame)];
-                draw.resolve(
-                    (&self.pipelines.resolve, &self.pipelines.resolve_layout),
-                    &inputs,
-                    &picture_view,
-                    tile,
-                    samples,
-                );
-                draw.read_back(&picture, 4, tile, |y, row| {
-                    let (x, y) = ((tile.x - region.x) as usize, (tile.y - region.y + y) as usize);
-                    let start = (y * region.width as usize + x) * 4;
-                    rgba[start..start + row.len()].copy_from_slice(row);
-                })?;
+                let inputs = [&targets.sum_views[(samples % 2) as usize], self.ground.light(&frame)];
+                draw.resolve(pipeline, &inputs, &picture_view, tile, samples);
+                draw.read_back(&picture, 4, tile, |y, row| put(&mut rgba, 4, region, tile, y, row))?;
             }
             Ok(())
         })?;
@@ -264,25 +254,55 @@ impl Renderer for GpuRenderer {
     }
 
     fn gbuffer(&mut self, view: &View) -> Result<GBuffer> {
-        let frame = self.begin(view, &Settings::default(), false)?;
+        let frame = self.begin(&self.scene(), view, &Settings::default())?;
         let region = view.region();
         let (tiles, targets) = self.tiles(region)?;
         let mut texels: Vec<u8> = zeroed(region, 16)?;
-        let draw = self.draw(&Settings::default());
+        let draw = self.draw(false);
         self.gpu.guard("drawing surfaces", || {
             for &tile in &tiles {
                 draw.surface(&targets, tile);
-                draw.read_back(&targets.surface, 16, tile, |y, row| {
-                    let (x, y) = ((tile.x - region.x) as usize, (tile.y - region.y + y) as usize);
-                    let start = (y * region.width as usize + x) * 16;
-                    texels[start..start + row.len()].copy_from_slice(row);
-                })?;
+                draw.read_back(&targets.surface, 16, tile, |y, row| put(&mut texels, 16, region, tile, y, row))?;
             }
             Ok(())
         })?;
         self.targets = Some(targets);
         Ok(gbuffer::unpack(&frame, view, &texels))
     }
+
+    fn sky_visibility(&mut self, view: &View, count: u32) -> Result<SkyVisibility> {
+        let scene = self.scene();
+        self.begin(&scene, view, &Settings::default())?;
+        let casters = self.ground.casters(&self.gpu, &self.passes, &scene)?;
+        self.sky.hold(casters, scene.bounds().center());
+        let region = view.region();
+        let (tiles, targets) = self.tiles(region)?;
+        let directions = directions(count.min(Settings::MOST_DIRECTIONS));
+        let mut open = vec![1.0f32; zeroed(region, 4)?.len() / 4];
+        let draw = self.draw(false);
+        self.gpu.guard("asking the sky", || {
+            for &tile in &tiles {
+                let sum = draw.open_sky(&targets, tile, &directions)?;
+                draw.read_back(sum, 16, tile, |y, row| {
+                    let start = (tile.y - region.y + y) as usize * region.width as usize + (tile.x - region.x) as usize;
+                    for (open, texel) in open[start..].iter_mut().zip(row.chunks_exact(16)) {
+                        let [seen, all, ..]: [f32; 4] = bytemuck::pod_read_unaligned(texel);
+                        *open = if all > 0.0 { seen / all } else { 1.0 };
+                    }
+                })?;
+            }
+            Ok(())
+        })?;
+        self.targets = Some(targets);
+        Ok(SkyVisibility { width: region.width, height: region.height, open })
+    }
+}
+
+/// Puts row `y` of a tile where it belongs among the texels of a region.
+fn put(texels: &mut [u8], texel_bytes: usize, region: Region, tile: Region, y: u32, row: &[u8]) {
+    let (x, y) = ((tile.x - region.x) as usize, (tile.y - region.y + y) as usize);
+    let start = (y * region.width as usize + x) * texel_bytes;
+    texels[start..start + row.len()].copy_from_slice(row);
 }
 
 /// Bytes for a region; an error, not an abort, if there is not that much memory.

@@ -11,7 +11,7 @@
 use super::device::{Gpu, view_of};
 use super::ground::{Casters, write_rows};
 use super::layout::{FIELD_FORMAT, WORD_FORMAT};
-use super::pipelines::Pipelines;
+use super::passes::Passes;
 use crate::error::Result;
 use crate::render::settings::Settings;
 use crate::render::sky::Turns;
@@ -30,6 +30,15 @@ const WIDEST_ROW: u32 = 16_384;
 enum Source {
     Sky { count: u32, samples: u32 },
     Key { toward: Vec3, samples: u32 },
+}
+
+impl Source {
+    /// Of the sky and of the key light.
+    fn wanted(key_in_world: Vec3, settings: &Settings) -> [Option<Source>; 2] {
+        let (count, samples) = (settings.ao.min(Settings::MOST_DIRECTIONS), settings.samples);
+        let sky = (count > 0).then_some(Source::Sky { count, samples });
+        [sky, settings.shadow.then_some(Source::Key { toward: key_in_world, samples })]
+    }
 }
 
 /// Tubes of some directions on the device.
@@ -64,12 +73,12 @@ pub(super) struct Sky {
 }
 
 impl Sky {
-    pub(super) fn new(gpu: &Gpu, pipelines: &Pipelines) -> Sky {
+    pub(super) fn new(gpu: &Gpu, passes: &Passes) -> Sky {
         let blank = |label, format| view_of(&gpu.texture(label, [1, 1], format, wgpu::TextureUsages::TEXTURE_BINDING));
         // Zeros: a sample asks no directions.
         let none = Texels { words: blank("no tubes", WORD_FORMAT), directions: blank("no directions", FIELD_FORMAT) };
         let no_casters = blank("no casters", FIELD_FORMAT);
-        let idle = bind(gpu, pipelines, [&none, &none], &no_casters);
+        let idle = bind(gpu, passes, [&none, &none], &no_casters);
         let (lights, center) = (Default::default(), Vec3::ZERO);
         Sky { lights, casters: None, center, none, no_casters, idle, group: None }
     }
@@ -83,16 +92,13 @@ impl Sky {
     pub(super) fn prepare(
         &mut self,
         gpu: &Gpu,
-        pipelines: &Pipelines,
+        passes: &Passes,
         casters: Option<&Casters>,
         (center, key_in_world): (Vec3, Vec3),
         settings: &Settings,
     ) -> Result<()> {
-        let (count, samples) = (settings.ao.min(Settings::MOST_DIRECTIONS), settings.samples);
-        let sky = (count > 0).then_some(Source::Sky { count, samples });
-        let key = settings.shadow.then_some(Source::Key { toward: key_in_world, samples });
-        (self.casters, self.center) = (casters.cloned(), center);
-        for (light, wanted) in self.lights.iter_mut().zip([sky, key]) {
+        self.hold(casters, center);
+        for (light, wanted) in self.lights.iter_mut().zip(Source::wanted(key_in_world, settings)) {
             if light.source != wanted {
                 self.group = None;
                 *light = Light::default(); // the old one goes first
@@ -103,9 +109,14 @@ impl Sky {
         }
         if self.group.is_none() && !self.is_split() {
             let [sky, key] = self.lights.each_ref().map(|light| light.whole.as_ref().unwrap_or(&self.none));
-            self.group = Some(self.bound(gpu, pipelines, [sky, key]));
+            self.group = Some(self.bound(gpu, passes, [sky, key]));
         }
         Ok(())
+    }
+
+    /// Whether [`Sky::prepare`] has nothing to do.
+    pub(super) fn is_ready(&self, key_in_world: Vec3, settings: &Settings) -> bool {
+        self.lights.each_ref().map(|light| light.source) == Source::wanted(key_in_world, settings)
     }
 
     /// Whether each sample has tubes of its own, which may be large.
@@ -114,7 +125,7 @@ impl Sky {
     }
 
     /// Group 2 of the shade pass for a sample, after [`Sky::prepare`] if anything is asked.
-    pub(super) fn group(&self, gpu: &Gpu, pipelines: &Pipelines, asks: bool, sample: u32) -> wgpu::BindGroup {
+    pub(super) fn group(&self, gpu: &Gpu, passes: &Passes, asks: bool, sample: u32) -> wgpu::BindGroup {
         if !asks {
             return self.idle.clone();
         }
@@ -123,7 +134,23 @@ impl Sky {
         }
         let own = self.lights.each_ref().map(|light| self.of_sample(gpu, light, sample));
         let both = [0, 1].map(|i| own[i].as_ref().or(self.lights[i].whole.as_ref()).unwrap_or(&self.none));
-        self.bound(gpu, pipelines, both)
+        self.bound(gpu, passes, both)
+    }
+
+    /// Takes what hides the light; `center` is the scene's.
+    pub(super) fn hold(&mut self, casters: Option<&Casters>, center: Vec3) {
+        (self.casters, self.center) = (casters.cloned(), center);
+    }
+
+    /// Group 2 of the shade pass for these directions of the sky alone, after [`Sky::hold`]; `None` if their tubes do not fit.
+    pub(super) fn of_directions(&self, gpu: &Gpu, passes: &Passes, directions: &[Vec3]) -> Option<wgpu::BindGroup> {
+        let casters = self.casters.as_ref()?;
+        if casters.bounds.is_empty() {
+            return Some(self.idle.clone());
+        }
+        let tubes = tubes(&casters.bounds, self.center, directions);
+        let texels = Texels::new(gpu, &Packed::new(&tubes, [directions.len() as u32, 1], MOST_WORDS)?)?;
+        Some(self.bound(gpu, passes, [&texels, &self.none]))
     }
 
     /// Tubes of the directions of one sample, if the light is split and they fit.
@@ -133,9 +160,9 @@ impl Sky {
         Texels::new(gpu, &Packed::new(&tubes, [light.turns.each, 1], MOST_WORDS)?)
     }
 
-    fn bound(&self, gpu: &Gpu, pipelines: &Pipelines, lights: [&Texels; 2]) -> wgpu::BindGroup {
+    fn bound(&self, gpu: &Gpu, passes: &Passes, lights: [&Texels; 2]) -> wgpu::BindGroup {
         let casters = self.casters.as_ref().map_or(&self.no_casters, |casters| &casters.texels);
-        bind(gpu, pipelines, lights, casters)
+        bind(gpu, passes, lights, casters)
     }
 }
 
@@ -235,19 +262,8 @@ impl Texels {
     }
 }
 
-fn bind(gpu: &Gpu, pipelines: &Pipelines, [sky, key]: [&Texels; 2], casters: &wgpu::TextureView) -> wgpu::BindGroup {
-    let entry = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("sky"),
-        layout: &pipelines.sky_layout,
-        entries: &[
-            entry(0, &sky.words),
-            entry(1, &sky.directions),
-            entry(2, &key.words),
-            entry(3, &key.directions),
-            entry(4, casters),
-        ],
-    })
+fn bind(gpu: &Gpu, passes: &Passes, [sky, key]: [&Texels; 2], casters: &wgpu::TextureView) -> wgpu::BindGroup {
+    passes.shade.sky(gpu, [&sky.words, &sky.directions, &key.words, &key.directions, casters])
 }
 
 #[cfg(test)]

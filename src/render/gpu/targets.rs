@@ -2,7 +2,7 @@
 
 use super::device::{Gpu, view_of};
 use super::layout::{DEPTH_FORMAT, SUM_FORMAT, SURFACE_FORMAT};
-use super::pipelines::Pipelines;
+use super::passes::Passes;
 use crate::error::Result;
 use crate::scene::Region;
 
@@ -18,35 +18,24 @@ pub(super) struct Targets {
     pub(super) surface_view: wgpu::TextureView,
     pub(super) depth: wgpu::TextureView,
     /// The sum of `n` samples is in `sums[n % 2]`.
-    pub(super) sums: [wgpu::TextureView; 2],
+    pub(super) sums: [wgpu::Texture; 2],
+    pub(super) sum_views: [wgpu::TextureView; 2],
     /// Surfaces and `sums[i]`, for the shade pass that writes the other.
     pub(super) shade_groups: [wgpu::BindGroup; 2],
 }
 
 impl Targets {
-    pub(super) fn new(gpu: &Gpu, pipelines: &Pipelines, size: [u32; 2]) -> Result<Targets> {
+    pub(super) fn new(gpu: &Gpu, passes: &Passes, size: [u32; 2]) -> Result<Targets> {
         gpu.guard("making the picture's targets", || {
             let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
-            let read = wgpu::TextureUsages::TEXTURE_BINDING;
-            let surface = gpu.texture("surfaces", size, SURFACE_FORMAT, drawn | read | wgpu::TextureUsages::COPY_SRC);
+            let read = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
+            let surface = gpu.texture("surfaces", size, SURFACE_FORMAT, drawn | read);
             let surface_view = view_of(&surface);
             let depth = view_of(&gpu.texture("depth", size, DEPTH_FORMAT, drawn));
-            let sums =
-                ["even sum", "odd sum"].map(|label| view_of(&gpu.texture(label, size, SUM_FORMAT, drawn | read)));
-            let shade_groups = [0, 1].map(|i| {
-                gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("shade"),
-                    layout: &pipelines.shade_layout,
-                    entries: &[
-                        wgpu::BindGroupEntry {
-                            binding: 0,
-                            resource: wgpu::BindingResource::TextureView(&surface_view),
-                        },
-                        wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&sums[i]) },
-                    ],
-                })
-            });
-            Ok(Targets { size, surface, surface_view, depth, sums, shade_groups })
+            let sums = ["even sum", "odd sum"].map(|label| gpu.texture(label, size, SUM_FORMAT, drawn | read));
+            let sum_views = sums.each_ref().map(view_of);
+            let shade_groups = sum_views.each_ref().map(|sum| passes.shade.inputs(gpu, &surface_view, sum));
+            Ok(Targets { size, surface, surface_view, depth, sums, sum_views, shade_groups })
         })
     }
 

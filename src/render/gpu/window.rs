@@ -3,24 +3,39 @@
 use super::adapter;
 use super::device::{Gpu, view_of};
 use super::ground::write_rows;
-use super::layout::TEXT_FORMAT;
+use super::layout::{IMAGE_FORMAT, TEXT_FORMAT};
+use super::passes::resolve::ResolvePipeline;
 use super::targets::Targets;
-use super::{AdapterWish, GpuRenderer, instance, zeroed};
+use super::{AdapterWish, GpuRenderer, asks, instance, put, zeroed};
 use crate::error::{Error, Result};
+use crate::render::frame::FrameConstants;
 use crate::render::{Image, Settings, View};
 use crate::scene::Region;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// What is shown while the light of a finished picture is being made: one sample without it.
+const GLANCE: Settings = Settings { samples: 1, ground_texels: 96, ao: 0, shadow: false };
+
+/// A picture that grows sample by sample.
+#[derive(Debug, Default)]
+pub struct Accumulation {
+    /// Hold the sum of samples from frame to frame.
+    targets: Option<(Targets, [u32; 2])>,
+    /// What is written over it.
+    text: Option<wgpu::TextureView>,
+    /// Samples in the sum.
+    done: u32,
+    /// What they were drawn with.
+    shown: Option<(View, FrameConstants)>,
+}
 
 /// What a [`GpuRenderer`] shows its pictures on.
 #[derive(Debug)]
 pub struct WindowSurface {
     surface: wgpu::Surface<'static>,
     configuration: wgpu::SurfaceConfiguration,
-    pipeline: wgpu::RenderPipeline,
-    /// Holds the sum of samples from frame to frame.
-    targets: Option<(Targets, [u32; 2])>,
-    /// What is written over the picture that is being summed.
-    text: Option<wgpu::TextureView>,
+    pipeline: ResolvePipeline,
+    sum: Accumulation,
 }
 
 impl WindowSurface {
@@ -36,27 +51,27 @@ impl GpuRenderer {
     ///
     /// # Errors
     /// [`Error::Gpu`] if no adapter that fulfils the wish can draw to the window, with what was tried.
-    pub fn for_window(
-        target: impl Into<wgpu::SurfaceTarget<'static>>,
-        size_px: [u32; 2],
-        wish: AdapterWish,
-    ) -> Result<(GpuRenderer, WindowSurface)> {
-        let instance = instance(wish)?;
+    pub fn for_window<W>(target: W, size_px: [u32; 2], wish: AdapterWish) -> Result<(GpuRenderer, WindowSurface)>
+    where
+        W: Into<wgpu::SurfaceTarget<'static>> + wgpu::wgt::WgpuHasDisplayHandle + Clone,
+    {
+        let instance = instance(wish, Some(Box::new(target.clone())))?;
         let surface = instance
             .create_surface(target)
             .map_err(|error| Error::Gpu(format!("the window cannot be drawn to: {error}")))?;
         let (gpu, adapter) = Gpu::new(adapter::open(wish, &instance, Some(&surface), None)?);
         let renderer = GpuRenderer::on(gpu)?;
         let configuration = configuration(&surface.get_capabilities(&adapter), size_px)?;
-        let pipeline = renderer.pipelines.present(&renderer.gpu, configuration.format)?;
-        let mut window = WindowSurface { surface, configuration, pipeline, targets: None, text: None };
+        let passes = &renderer.passes;
+        let pipeline = passes.resolve.for_window(&renderer.gpu, &passes.frame, configuration.format)?;
+        let mut window = WindowSurface { surface, configuration, pipeline, sum: Accumulation::default() };
         renderer.configure(&mut window, size_px)?;
         Ok((renderer, window))
     }
 
     /// Follows the window to a new size. The next [`GpuRenderer::present`] starts from sample 0.
     pub fn resize(&mut self, window: &mut WindowSurface, size_px: [u32; 2]) {
-        (window.targets, window.text) = (None, None);
+        window.sum = Accumulation::default();
         // A refusal shows at the next present.
         if let Err(Error::Gpu(what)) = self.configure(window, size_px) {
             self.gpu.record(what);
@@ -88,39 +103,91 @@ impl GpuRenderer {
         done: u32,
         add: u32,
     ) -> Result<()> {
+        // What a finished picture's light takes may take its time: something is shown before.
+        let key_in_world = self.constants(&self.scene(), view, settings).key_in_world();
+        if done == 0 && asks(settings) && !self.sky.is_ready(key_in_world, settings) {
+            self.accumulate(&mut window.sum, view, &GLANCE, 0, 1)?;
+            self.show(window)?;
+        }
+        self.accumulate(&mut window.sum, view, settings, done, add)?;
+        self.show(window)
+    }
+
+    /// Adds samples to a picture as [`GpuRenderer::present`] does, without showing it.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device is lost or refuses.
+    pub fn accumulate(
+        &mut self,
+        sum: &mut Accumulation,
+        view: &View,
+        settings: &Settings,
+        done: u32,
+        add: u32,
+    ) -> Result<()> {
         let most = self.gpu.limits.max_texture_dimension_2d;
         let region = view.region();
         let size = [region.width.min(most), region.height.min(most)];
         let region = Region { width: size[0], height: size[1], ..region };
-        let text = match window.text.take().filter(|_| done > 0) {
+        let view = View { region: Some(region), ..*view };
+        let text = match sum.text.take().filter(|_| done > 0) {
             Some(text) => text,
-            None => self.text(&View { region: Some(region), ..*view }, settings.samples > 1)?,
+            None => self.text(&view, settings.samples > 1)?,
         };
-        let frame = self.begin(view, settings, true)?;
-        let (targets, done) = match window.targets.take() {
+        let frame = self.begin_lit(&view, settings)?;
+        let (targets, done) = match sum.targets.take() {
             Some((targets, old)) if old == size => (targets, done),
             // Whatever was summed is gone.
-            _ => (Targets::new(&self.gpu, &self.pipelines, size)?, 0),
+            _ => (Targets::new(&self.gpu, &self.passes, size)?, 0),
         };
         let end = done.saturating_add(add.max(u32::from(done == 0)));
-        let draw = self.draw(settings);
+        let draw = self.draw(asks(settings));
         self.gpu.guard("drawing", || draw.samples(&targets, region, [done, end], settings.samples.max(end)))?;
-        let shown = self.acquire(window)?;
-        if let Some(texture) = shown {
-            self.gpu.guard("showing the picture", || {
-                let target = view_of(&texture.texture);
-                let [width, height] = window.size_px();
-                let region = Region { width: width.min(size[0]), height: height.min(size[1]), ..region };
-                let inputs = [&targets.sums[(end % 2) as usize], self.ground.light(&frame), &text];
-                let layout = &self.pipelines.present_layout;
-                draw.resolve((&window.pipeline, layout), &inputs, &target, region, end);
-                self.gpu.queue.present(texture);
-                Ok(())
-            })?;
-        }
-        window.targets = Some((targets, size));
-        window.text = Some(text);
+        *sum = Accumulation { targets: Some((targets, size)), text: Some(text), done: end, shown: Some((view, frame)) };
         Ok(())
+    }
+
+    /// Shows the picture if the window takes it.
+    fn show(&self, window: &mut WindowSurface) -> Result<()> {
+        let Some(texture) = self.acquire(window)? else { return Ok(()) };
+        self.gpu.guard("showing the picture", || {
+            self.resolve(&window.sum, &window.pipeline, &view_of(&texture.texture), window.size_px());
+            self.gpu.queue.present(texture);
+            Ok(())
+        })
+    }
+
+    /// Draws the mean of an accumulation to a window's pipeline and target.
+    fn resolve(
+        &self,
+        sum: &Accumulation,
+        pipeline: &ResolvePipeline,
+        target: &wgpu::TextureView,
+        [width, height]: [u32; 2],
+    ) {
+        let (Some((targets, size)), Some(text), Some((view, frame))) = (&sum.targets, &sum.text, &sum.shown) else {
+            return;
+        };
+        let region = Region { width: width.min(size[0]), height: height.min(size[1]), ..view.region() };
+        let inputs = [&targets.sum_views[(sum.done % 2) as usize], self.ground.light(frame), text];
+        self.draw(false).resolve(pipeline, &inputs, target, region, sum.done);
+    }
+
+    /// What a window shows of a picture, opaque.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device is lost or refuses.
+    pub fn shown(&self, sum: &Accumulation) -> Result<Image> {
+        let [width, height] = sum.targets.as_ref().map_or([1, 1], |(_, size)| *size);
+        let region = Region { x: 0, y: 0, width, height };
+        let mut rgba = zeroed(region, 4)?;
+        let pipeline = self.passes.resolve.for_window(&self.gpu, &self.passes.frame, IMAGE_FORMAT)?;
+        self.gpu.guard("showing the picture", || {
+            let picture = self.picture(Some(&region));
+            self.resolve(sum, &pipeline, &view_of(&picture), [width, height]);
+            self.draw(false).read_back(&picture, 4, region, |y, row| put(&mut rgba, 4, region, region, y, row))
+        })?;
+        Ok(Image { width, height, rgba })
     }
 
     /// What is written over a picture, as a texture of its size; one clear texel if that is nothing.

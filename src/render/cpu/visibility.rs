@@ -1,0 +1,109 @@
+//! Sky visibility of what is seen at the pixel centres, on all cores: all directions, one part of them after the other.
+
+use super::lanes::LANES;
+use super::reach::{Lights, NOBODY, Points, Questions, Shadows};
+use super::simd::{Work, widest};
+use super::tiles;
+use crate::math::max;
+use crate::render::image::{GBuffer, SkyVisibility};
+use crate::render::settings::View;
+use crate::render::sky::{Reach, START_OFFSET};
+use crate::render::solids::Solids;
+use crate::scene::{Ray, Scene};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Directions whose tubes are there at a time: those of 64 take too much memory for a large scene.
+const DIRECTIONS_AT_A_TIME: usize = 8;
+/// Blocks of points that a thread asks for together.
+const BLOCKS_TOGETHER: usize = 64;
+/// Rays start this part of the point's depth above it at least: it was rounded when its depth was.
+const START_ROUNDING: f32 = 1e-6;
+
+/// Points that ask, and the weights of the directions that were free, and of all.
+#[derive(Clone, Default)]
+struct Block {
+    points: Points,
+    weights: [[f32; LANES]; 2],
+}
+
+/// How much of the sky the surface at the pixel centres sees, over so many directions.
+pub(super) fn sky_visibility(scene: &Scene, view: &View, directions: &[Vec3]) -> SkyVisibility {
+    let seen = tiles::gbuffer(scene, view);
+    let covered: Vec<u32> = (seen.id.iter().zip(&seen.depth).zip(0..))
+        .filter(|((id, depth), _)| !matches!(**id, GBuffer::BACKGROUND | GBuffer::GROUND) && **depth > view.camera.near)
+        .map(|(_, pixel)| pixel)
+        .collect();
+    let mut open = vec![1.0; seen.id.len()];
+    let mut blocks: Vec<Block> = covered.par_chunks(LANES).map(|pixels| block_of(view, &seen, pixels)).collect();
+    let solids = Solids::new(scene, view.camera.view_from_world());
+    let shadows = Shadows::new(scene, view, &solids, true);
+    for part in directions.chunks(DIRECTIONS_AT_A_TIME) {
+        let mut lights = Lights::of_sky(part);
+        let questions = shadows.look(&mut lights, &(0..1));
+        blocks.par_chunks_mut(BLOCKS_TOGETHER).for_each(|blocks| {
+            widest(Ask { questions: &questions, blocks });
+            blocks.iter_mut().for_each(|block| block.add(view, part));
+        });
+    }
+    for (pixels, block) in covered.chunks(LANES).zip(&blocks) {
+        for (lane, &pixel) in pixels.iter().enumerate() {
+            let [free, all] = block.weights.map(|weights| weights[lane]);
+            open[pixel as usize] = if all > 0.0 { free / all } else { 1.0 };
+        }
+    }
+    SkyVisibility { width: seen.width, height: seen.height, open }
+}
+
+/// The points of up to sixteen pixels, in view space.
+fn block_of(view: &View, seen: &GBuffer, pixels: &[u32]) -> Block {
+    let (grid, region) = (view.pixel_grid(), view.region());
+    let mut points = Points { own: [NOBODY; LANES], ..Points::default() };
+    for (lane, &pixel) in pixels.iter().enumerate() {
+        let (x, y) = (pixel % region.width + region.x, pixel / region.width + region.y);
+        let (t, normal) = (seen.depth[pixel as usize], Vec3::from(seen.normal[pixel as usize]));
+        let Ray { origin, direction } = grid.ray(grid.plane(x as f32 + 0.5, y as f32 + 0.5));
+        let start = origin + direction * t + normal * max(START_OFFSET, START_ROUNDING * t);
+        for axis in 0..3 {
+            points.position[axis][lane] = start[axis];
+            points.normal[axis][lane] = normal[axis];
+        }
+        points.asks[lane] = 1.0;
+    }
+    Block { points, ..Block::default() }
+}
+
+impl Block {
+    /// Adds what a part of the directions told of the sky.
+    fn add(&mut self, view: &View, directions: &[Vec3]) {
+        let view_from_world = view.camera.view_from_world();
+        let mut all = [0.0; LANES];
+        for direction in directions {
+            let d = view_from_world.transform_vector3(*direction);
+            let [x, y, z] = &self.points.normal;
+            for lane in 0..LANES {
+                all[lane] += max(x[lane] * d.x + y[lane] * d.y + z[lane] * d.z, 0.0);
+            }
+        }
+        for lane in 0..LANES {
+            self.weights[0][lane] += self.points.told[0][lane] * all[lane];
+            self.weights[1][lane] += all[lane];
+        }
+    }
+}
+
+/// The questions of some points, as work for [`widest`].
+struct Ask<'a> {
+    questions: &'a Questions<'a>,
+    blocks: &'a mut [Block],
+}
+
+impl Work for Ask<'_> {
+    #[inline(always)]
+    fn run(self) {
+        for block in self.blocks {
+            // Where nothing hides anything there are no tubes, and nobody asks.
+            self.questions.ask(&mut block.points, 0, Reach { open: 1.0, key: 1.0 });
+        }
+    }
+}
