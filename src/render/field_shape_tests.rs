@@ -121,6 +121,7 @@ fn the_shadow_is_that_of_the_darkest_point_of_the_way() {
         near: 0.1,
         far: 200.0,
         target: Vec3::ZERO,
+        shift: [0.0; 2],
     };
     let frame = FrameConstants::new(&scene, &View::new(camera, 100, 100), &Settings::default());
     let light = frame.key_in_world();

@@ -89,6 +89,7 @@ fn ask(scene: &Scene, sky: &Turns, key: &Turns, points: &[(Vec3, Vec3)]) -> Vec<
         near: 0.1,
         far: 100.0,
         target: center,
+        shift: [0.0; 2],
     };
     let in_view = Solids::new(scene, camera.view_from_world());
     let questions = lights.questions(scene, &View::new(camera, 10, 10), &in_view);

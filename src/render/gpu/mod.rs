@@ -28,6 +28,7 @@ pub use adapter::{AdapterReport, AdapterWish, adapters};
 pub use window::WindowSurface;
 
 use super::frame::FrameConstants;
+use super::lens::Lens;
 use super::{GBuffer, Image, Renderer, Settings, View, overlay};
 use crate::error::{Error, Result};
 use crate::scene::{Region, Scene};
@@ -137,9 +138,9 @@ impl GpuRenderer {
     fn begin(&mut self, view: &View, settings: &Settings, with_light: bool) -> Result<FrameConstants> {
         let empty = || Arc::new(Scene::from_blocks(Vec::new(), Vec::new()));
         let scene = self.scene.clone().unwrap_or_else(empty);
-        let max_texels = self.gpu.limits.max_texture_dimension_2d.saturating_sub(2);
-        let settings = Settings { ground_texels: settings.ground_texels.min(max_texels), ..*settings };
+        let settings = self.limited(settings);
         let frame = FrameConstants::new(&scene, view, &settings);
+        let frame = if with_light { frame } else { frame.without_outlines() };
         let gpu = &self.gpu;
         // In motion nothing is asked, and the tubes of the picture at rest are kept.
         if with_light && asks(&settings) {
@@ -158,6 +159,37 @@ impl GpuRenderer {
             self.ground.prepare(gpu, &self.pipelines, &self.frame_group, &scene, &frame)?;
         }
         Ok(frame)
+    }
+
+    /// Moves the camera to where sample `sample` of `samples` looks from, if the picture has a depth of field.
+    fn aim(&self, (view, settings): (&View, &Settings), sample: u32, samples: u32) {
+        let Some(scene) = &self.scene else { return };
+        if let Some(lens) = Lens::of(scene, view) {
+            self.set_view(scene, &lens.view(view, sample, samples), settings);
+        }
+    }
+
+    /// Moves it back to the middle of the lens.
+    fn aim_back(&self, (view, settings): (&View, &Settings)) {
+        let Some(scene) = &self.scene else { return };
+        if Lens::of(scene, view).is_some() {
+            self.set_view(scene, view, settings);
+        }
+    }
+
+    /// Writes what depends on the camera.
+    fn set_view(&self, scene: &Scene, view: &View, settings: &Settings) {
+        let frame = FrameConstants::new(scene, view, &self.limited(settings));
+        self.gpu.queue.write_buffer(&self.frame_buffer, 0, bytemuck::bytes_of(&frame));
+        if let Some(instances) = &self.instances {
+            instances.place(&self.gpu, scene, view.camera.view_from_world());
+        }
+    }
+
+    /// Settings that the device can draw.
+    fn limited(&self, settings: &Settings) -> Settings {
+        let max_texels = self.gpu.limits.max_texture_dimension_2d.saturating_sub(2);
+        Settings { ground_texels: settings.ground_texels.min(max_texels), ..*settings }
     }
 
     /// Writes the scene's text over a picture; labels need to ask what is seen.
@@ -238,7 +270,9 @@ impl Renderer for GpuRenderer {
             let picture = self.gpu.texture("picture", size, layout::IMAGE_FORMAT, usage);
             let picture_view = view_of(&picture);
             for &tile in &tiles {
-                draw.samples(&targets, tile, [0, samples], samples)?;
+                let aim = |sample| self.aim((view, settings), sample, samples);
+                draw.samples(&targets, tile, [0, samples], samples, aim)?;
+                self.aim_back((view, settings));
                 let inputs = [&targets.sums[(samples % 2) as usize], self.ground.light(&frame)];
                 draw.resolve(
                     (&self.pipelines.resolve, &self.pipelines.resolve_layout),

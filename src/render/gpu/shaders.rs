@@ -27,6 +27,7 @@ pub const FILES: &[(&str, &str)] = embed![
     "ground_map.wgsl",
     "intersect.wgsl",
     "normal.wgsl",
+    "outline.wgsl",
     "resolve.wgsl",
     "shade.wgsl",
     "shade_pass.wgsl",

@@ -104,7 +104,13 @@ impl GpuRenderer {
         };
         let end = done.saturating_add(add.max(u32::from(done == 0)));
         let draw = self.draw(settings);
-        self.gpu.guard("drawing", || draw.samples(&targets, region, [done, end], settings.samples.max(end)))?;
+        let total = settings.samples.max(end);
+        self.gpu.guard("drawing", || {
+            let aim = |sample| self.aim((view, settings), sample, total);
+            draw.samples(&targets, region, [done, end], total, aim)?;
+            self.aim_back((view, settings));
+            Ok(())
+        })?;
         let shown = self.acquire(window)?;
         if let Some(texture) = shown {
             self.gpu.guard("showing the picture", || {
