@@ -14,6 +14,7 @@ use super::tile::{Place, SIDE, Tile};
 use crate::color::Srgb8;
 use crate::render::field::GroundMap;
 use crate::render::frame::{FrameConstants, resolve, shade_background};
+use crate::render::lens::Lens;
 use crate::render::solids::Solids;
 use crate::render::{GBuffer, Image, Settings, View};
 use crate::scene::{PixelGrid, Region, Scene};
@@ -47,7 +48,7 @@ impl Bench {
 impl<'a> Picture<'a> {
     fn new(shader: Shader<'a>, view: &View, tile: u32) -> Picture<'a> {
         Picture {
-            bins: Bins::new(shader.solids, view, tile),
+            bins: Bins::new(shader.solids, shader.outlined.as_ref(), view, tile),
             shader,
             grid: view.pixel_grid(),
             region: view.region(),
@@ -55,7 +56,7 @@ impl<'a> Picture<'a> {
         }
     }
 
-    fn place<'p>(&self, tile: usize, pass: &'p Pass) -> Place<'p> {
+    fn place<'p>(&'p self, tile: usize, pass: &'p Pass) -> Place<'p> {
         let tile = u32::try_from(tile).unwrap_or(u32::MAX);
         let in_region = [tile % self.bins.tiles[0] * self.bins.tile, tile / self.bins.tiles[0] * self.bins.tile];
         let blocks = |at: u32, end: u32| ((end - at).min(self.bins.tile).div_ceil(pass.side)) as usize;
@@ -66,6 +67,7 @@ impl<'a> Picture<'a> {
             in_region,
             blocks: [blocks(in_region[0], self.region.width), blocks(in_region[1], self.region.height)],
             near: self.near,
+            outline: self.shader.outlined.as_ref(),
         }
     }
 }
@@ -158,6 +160,9 @@ pub(super) fn image(
     (ground_map, lights): (&GroundMap, &Lights),
     stop: &AtomicBool,
 ) -> Image {
+    if let Some(lens) = Lens::of(scene, view) {
+        return image_through(&lens, scene, view, settings, (ground_map, lights), stop);
+    }
     let frame = FrameConstants::new(scene, view, settings);
     let region = view.region();
     let samples = settings.samples.clamp(1, 4096);
@@ -190,10 +195,65 @@ pub(super) fn image(
     Image { width: region.width, height: region.height, rgba }
 }
 
+/// The finished picture through a lens: each sample with a camera of its own, then all of them together.
+fn image_through(
+    lens: &Lens,
+    scene: &Scene,
+    view: &View,
+    settings: &Settings,
+    (ground_map, lights): (&GroundMap, &Lights),
+    stop: &AtomicBool,
+) -> Image {
+    let region = view.region();
+    let samples = settings.samples.clamp(1, 4096);
+    let side = 4 * SIDE;
+    let across = (region.width as usize).div_ceil(side);
+    let mut sums = vec![Vec::new(); across * (region.height as usize).div_ceil(side)];
+    for sample in 0..samples {
+        let view = lens.view(view, sample, samples);
+        let frame = FrameConstants::new(scene, &view, settings);
+        let solids = Solids::new(scene, view.camera.view_from_world());
+        let questions = lights.questions(scene, &view, &solids);
+        let picture = Picture::new(Shader::new(&frame, &solids, ground_map), &view, side as u32);
+        let pass = Pass::of_one(sample, samples);
+        sums.par_iter_mut().enumerate().with_max_len(4).for_each_init(Bench::new, |bench, (tile, sums)| {
+            if picture.bins.is_empty(tile) || stop.load(Ordering::Relaxed) {
+                return;
+            }
+            sums.resize(4 * side * side, 0.0);
+            std::mem::swap(&mut bench.sums, sums);
+            picture.bins.of_tile(tile, &mut bench.candidates);
+            let place = picture.place(tile, &pass);
+            widest(Samples { picture: &picture, bench, place, questions: Some(&questions) });
+            std::mem::swap(&mut bench.sums, sums);
+        });
+    }
+    let (frame, none) = (FrameConstants::new(scene, view, settings), Solids::default());
+    let picture = Picture::new(Shader::new(&frame, &none, ground_map), view, side as u32);
+    let row_bytes = region.width as usize * 4;
+    let mut rgba = vec![0u8; row_bytes * region.height as usize];
+    let bands = rgba.par_chunks_mut(row_bytes * side).zip(sums.par_chunks_mut(across)).enumerate();
+    bands.for_each(|(tile_row, (band, sums))| {
+        for (column, sums) in sums.iter_mut().enumerate() {
+            sums.resize(4 * side * side, 0.0);
+            let left = column * side;
+            let (width, height) = (side.min(region.width as usize - left), band.len() / row_bytes);
+            let mut pixels = vec![Srgb8::BLACK; width * height];
+            let corner = [region.x + left as u32, region.y + (tile_row * side) as u32];
+            widest(Finish { picture: &picture, sums, corner, width: width as u32, samples, pixels: &mut pixels });
+            for (from, line) in pixels.chunks_exact(width).zip(band.chunks_mut(row_bytes)) {
+                line[left * 4..(left + width) * 4].copy_from_slice(bytemuck::cast_slice(from));
+            }
+            *sums = Vec::new();
+        }
+    });
+    Image { width: region.width, height: region.height, rgba }
+}
+
 /// What is seen at the pixel centres.
 #[must_use]
 pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
-    let frame = FrameConstants::new(scene, view, &Settings::default());
+    let frame = FrameConstants::new(scene, view, &Settings::default()).without_outlines();
     let region = view.region();
     let none = GroundMap::none();
     let solids = Solids::new(scene, view.camera.view_from_world());
