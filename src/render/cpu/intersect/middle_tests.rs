@@ -11,6 +11,9 @@ fn way_through(ray: &Ray, reach: f64, first: impl Fn(&Ray) -> Option<f64>) -> Op
     Some((first(ray)?, reach - first(&back)?))
 }
 
+/// The function that is tested, for one solid.
+type MiddleOf = Box<dyn Fn(&Ray) -> f32>;
+
 /// How far f32 may be off: what a shift of the solid by its rounding moves the ends of a chord of this length.
 fn allowed(size: f64, radius: f64, chord: f64) -> f64 {
     let resolved = 16.0 * f64::from(f32::EPSILON) * size;
@@ -25,7 +28,7 @@ fn balls_and_sticks_are_passed_midway() {
             let (mut hits, mut rays) = (0, 0);
             for case in 0..4000 {
                 let stick = case % 2 == 0;
-                let (shape, t): (Shape, Box<dyn Fn(&Ray) -> f32>) = if stick {
+                let (shape, t): (Shape, MiddleOf) = if stick {
                     let caps = [FLAT, ROUND][case / 2 % 2];
                     let (length, radius) = (random.between(0.5, 3.0), random.log_between(0.03, 0.5));
                     let (center, axis) = (random.in_view(distance, 0.5), random.direction());
