@@ -24,6 +24,8 @@ struct FrameConstants {
     bounds_max: vec4<f32>,
     grid: vec4<f32>,
     sky: vec4<f32>,
+    outline: vec4<f32>,
+    outline_color: vec4<f32>,
 }
 
 // Twin of render::gpu::layout::SampleConstants.
@@ -40,6 +42,10 @@ struct SampleConstants {
     // and log2 of the number of turns.
     turn: u32,
 }
+
+// The highest two bits of a texel's colour in the surface target: 3 where a primitive is seen, 2 where an outline is (with the depth of the
+// silhouette in place of the normal), 0 where there is nothing.
+const RIM: u32 = 0x80000000u;
 
 @group(0) @binding(0) var<uniform> frame: FrameConstants;
 @group(0) @binding(1) var<uniform> one_sample: SampleConstants;

@@ -1,6 +1,7 @@
 // Cones of one sample: a trapezium an instance, an exact ray intersection a fragment. cone_normal is the
 // twin of that in src/render/cpu/intersect/cone.rs.
 #import "cone_hit.wgsl"
+#import "outline.wgsl"
 #import "trapezoid.wgsl"
 
 fn cone_normal(ray: Ray, cone: Cone, near: f32, t: f32) -> vec3<f32> {
@@ -19,6 +20,25 @@ fn cone_normal(ray: Ray, cone: Cone, near: f32, t: f32) -> vec3<f32> {
     }
     let n = cone.row_x * local_normal.x + cone.row_y * local_normal.y + cone.row_z * local_normal.z;
     return towards_camera(normalize_or(n, to_camera), ray.direction);
+}
+
+// Twins of outline::cone_radius, Outline::cone and cone_middle_t.
+fn cone_radius(cone: Cone) -> f32 {
+    return cone.middle_radius + abs(cone.slope) * cone.half_length;
+}
+
+fn outlined_cone(cone: Cone) -> Cone {
+    let width = outline_width(cone.center, cone_radius(cone));
+    var grown = cone;
+    grown.half_length += width;
+    grown.middle_radius += width * sqrt(1.0 + cone.slope * cone.slope);
+    return grown;
+}
+
+fn cone_middle_t(ray: Ray, cone: Cone, near: f32) -> f32 {
+    let local = local_ray(ray, cone.center, cone.row_x, cone.row_y, cone.row_z);
+    let nappe = nappe_interval(local.q, local.e, cone.middle_radius, cone.slope);
+    return middle(local.t0 + body_interval(nappe, slab_interval(local.q, local.e, cone.half_length)), near);
 }
 
 struct ConeVertex {
@@ -56,13 +76,17 @@ fn vs_cone(
     cone.middle_radius = (radii.x + radii.y) * 0.5;
     cone.slope = (radii.y - radii.x) / select(1.0, length, is_solid);
 
-    let a = cone.center - axis * cone.half_length;
-    let b = cone.center + axis * cone.half_length;
-    var bounds = cone_rect(a, b, axis, radii, frame.depth.z);
+    let grown = outlined_cone(cone);
+    let a = cone.center - axis * grown.half_length;
+    let b = cone.center + axis * grown.half_length;
+    // As given where nothing is added: the middle and the slope have been rounded.
+    let change = grown.slope * grown.half_length * vec2<f32>(-1.0, 1.0);
+    let reach = select(radii, max(grown.middle_radius + change, vec2<f32>(0.0)), has_outlines());
+    var bounds = cone_rect(a, b, axis, reach, frame.depth.z);
     let id = placed_id(color_id.y);
     bounds.seen = bounds.seen && is_solid && is_drawn_in_sample(id, color_id.x);
     var vertex: ConeVertex;
-    vertex.position = trapezoid_corner(bounds, corner, min(-a.z - radii.x, -b.z - radii.y));
+    vertex.position = trapezoid_corner(bounds, corner, min(-a.z - reach.x, -b.z - reach.y));
     vertex.center = vec4<f32>(cone.center, cone.half_length);
     vertex.row_x = vec4<f32>(cone.row_x, cone.middle_radius);
     vertex.row_y = vec4<f32>(cone.row_y, cone.slope);
@@ -84,7 +108,11 @@ fn fs_cone(vertex: ConeVertex) -> Surface {
     let near = frame.depth.z;
     let t = cone_t(ray, cone, near);
     if !(t < NO_HIT) {
-        discard;
+        let middle = cone_middle_t(ray, outlined_cone(cone), near);
+        if !has_outlines() || !(middle < NO_HIT) {
+            discard;
+        }
+        return rim(vertex.look.y, middle, cone_radius(cone));
     }
     return surface(vertex.look.y, t, cone_normal(ray, cone, near, t), color_from_srgb8(vertex.look.x));
 }

@@ -1,6 +1,6 @@
 // Cylinders of one sample: a quad an instance, an exact ray intersection a fragment.
 #import "normal.wgsl"
-#import "geometry.wgsl"
+#import "outline.wgsl"
 
 struct CylinderVertex {
     @builtin(position) position: vec4<f32>,
@@ -33,14 +33,16 @@ fn vs_cylinder(
     let half_length = length * 0.5;
     let camera_to_cylinder = rotation_to_y(select(vec3<f32>(0.0, 1.0, 0.0), axis, is_solid));
 
-    let a = center - axis * half_length;
-    let b = center + axis * half_length;
     let caps = colors_caps.z;
-    var rect = cylinder_rect(a, b, axis, radius, has_cap(caps, 0u, 2u), has_cap(caps, 1u, 2u), frame.depth.z);
+    let rows = camera_to_cylinder;
+    let grown = outlined_cylinder(Cylinder(center, rows[0], rows[1], rows[2], half_length, radius, caps));
+    let a = center - axis * grown.half_length;
+    let b = center + axis * grown.half_length;
+    var rect = cylinder_rect(a, b, axis, grown.radius, has_cap(caps, 0u, 2u), has_cap(caps, 1u, 2u), frame.depth.z);
     let placed = placed_id(id);
     rect.seen = rect.seen && is_solid && is_drawn_in_sample(placed, colors_caps.x);
     var vertex: CylinderVertex;
-    vertex.position = quad_corner(rect, corner, min(-a.z, -b.z) - radius);
+    vertex.position = quad_corner(rect, corner, min(-a.z, -b.z) - grown.radius);
     vertex.center = vec4<f32>(center, half_length);
     vertex.row_x = vec4<f32>(camera_to_cylinder[0], radius);
     vertex.row_y = camera_to_cylinder[1];
@@ -62,7 +64,11 @@ fn fs_cylinder(vertex: CylinderVertex) -> Surface {
     let near = frame.depth.z;
     let t = cylinder_t(ray, cylinder, near);
     if !(t < NO_HIT) {
-        discard;
+        let middle = cylinder_middle_t(ray, outlined_cylinder(cylinder), near);
+        if !has_outlines() || !(middle < NO_HIT) {
+            discard;
+        }
+        return rim(vertex.look.w, middle, cylinder.radius);
     }
     let rgb = select(vertex.look.x, vertex.look.y, cylinder_half(ray, cylinder, t));
     return surface(vertex.look.w, t, cylinder_normal(ray, cylinder, near, t), color_from_srgb8(rgb));

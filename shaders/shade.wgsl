@@ -18,7 +18,8 @@ fn shade_surface(point: VisibleSurface, reach: Reach, direction: vec3<f32>) -> v
     let n = point.normal;
     let to_eye = -direction * (1.0 / sqrt(dot(direction, direction)));
     let key = frame.key.xyz;
-    let open = frame.sky.x + (1.0 - frame.sky.x) * reach.open;
+    let seen = reach.open * (1.0 - frame.sky.w + frame.sky.w * reach.open);
+    let open = frame.sky.x + (1.0 - frame.sky.x) * seen;
     let lit = 1.0 - frame.sky.y * (1.0 - reach.key);
     let key_light = frame.key.w * max(dot(n, key), 0.0) * lit;
     let fill_light = frame.fill.w * max(dot(n, frame.fill.xyz), 0.0) * open;
@@ -37,6 +38,12 @@ fn shade_surface(point: VisibleSurface, reach: Reach, direction: vec3<f32>) -> v
     let behind = clamp((point.depth - frame.depth.x) * frame.depth.y, 0.0, 1.0);
     let fog = frame.background.w * behind * behind;
     return color + (frame.background.xyz - color) * fog;
+}
+
+fn shade_outline(depth: f32) -> vec3<f32> {
+    let behind = clamp((depth - frame.depth.x) * frame.depth.y, 0.0, 1.0);
+    let fog = frame.background.w * behind * behind;
+    return frame.outline_color.xyz + (frame.background.xyz - frame.outline_color.xyz) * fog;
 }
 
 fn is_transparent() -> bool {

@@ -23,7 +23,12 @@ fn fs_shade(@builtin(position) fragment: vec4<f32>) -> @location(0) vec4<u32> {
     if texel.w != 0u {
         let ray = pixel_ray(fragment, one_sample.offset);
         let t = bitcast<f32>(texel.y);
-        if t <= ground_depth(ray) {
+        if (texel.w >> 30u) == (RIM >> 30u) {
+            // The ground hides a line where it hides the silhouette.
+            if bitcast<f32>(texel.z) <= ground_depth(ray) {
+                sum += vec4<f32>(shade_outline(t), 1.0);
+            }
+        } else if t <= ground_depth(ray) {
             let seen = VisibleSurface(t, unpack_normal(texel.z), unpack_color(texel.w));
             sum += vec4<f32>(shade_surface(seen, reach_of(ray, t, seen.normal), ray.direction), 1.0);
         }

@@ -1,6 +1,5 @@
 // Spheres of one sample: a quad an instance, an exact ray intersection a fragment.
-#import "intersect.wgsl"
-#import "geometry.wgsl"
+#import "outline.wgsl"
 
 struct SphereVertex {
     @builtin(position) position: vec4<f32>,
@@ -19,10 +18,11 @@ fn vs_sphere(
     let center = view_point(center_radius.xyz);
     let radius = center_radius.w;
     let id = placed_id(color_id.y);
-    var rect = sphere_rect(center, radius, frame.depth.z);
+    let reach = radius + outline_width(center, radius);
+    var rect = sphere_rect(center, reach, frame.depth.z);
     rect.seen = rect.seen && is_drawn_in_sample(id, color_id.x);
     var vertex: SphereVertex;
-    vertex.position = quad_corner(rect, corner, -center.z - radius);
+    vertex.position = quad_corner(rect, corner, -center.z - reach);
     vertex.ball = vec4<f32>(center, radius);
     vertex.look = vec2<u32>(color_id.x, id);
     return vertex;
@@ -35,7 +35,12 @@ fn fs_sphere(vertex: SphereVertex) -> Surface {
     let near = frame.depth.z;
     let t = sphere_t(ray, sphere, near);
     if !(t < NO_HIT) {
-        discard;
+        let grown = Sphere(sphere.center, sphere.radius + outline_width(sphere.center, sphere.radius));
+        let middle = sphere_middle_t(ray, grown, near);
+        if !has_outlines() || !(middle < NO_HIT) {
+            discard;
+        }
+        return rim(vertex.look.y, middle, sphere.radius);
     }
     return surface(vertex.look.y, t, sphere_normal(ray, sphere, near, t), color_from_srgb8(vertex.look.x));
 }

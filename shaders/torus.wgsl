@@ -1,7 +1,7 @@
 // Tori of one sample: some quads an instance around the tube, an exact ray intersection a fragment. The functions are the twins of
 // torus_normal in src/render/cpu/intersect/torus.rs and of bounds::torus_rect. Comments stand there.
 #import "torus_hit.wgsl"
-#import "geometry.wgsl"
+#import "outline.wgsl"
 
 fn torus_normal(ray: Ray, torus: Torus, near: f32, t: f32) -> vec3<f32> {
     let to_camera = -normalize(ray.direction);
@@ -16,6 +16,30 @@ fn torus_normal(ray: Ray, torus: Torus, near: f32, t: f32) -> vec3<f32> {
     let gradient = ring_distance(local.q + local.e * way, torus.ring_radius);
     let n = torus.row_x * gradient.x + torus.row_y * gradient.y + torus.row_z * gradient.z;
     return towards_camera(normalize_or(n, to_camera), ray.direction);
+}
+
+// Twins of Outline::torus and torus_middle_t.
+fn outlined_torus(torus: Torus) -> Torus {
+    var grown = torus;
+    grown.tube_radius += outline_width(torus.center, torus.tube_radius);
+    return grown;
+}
+
+fn torus_middle_t(ray: Ray, torus: Torus, near: f32) -> f32 {
+    let local = torus_ray(ray, torus);
+    let hit = torus_hit(local.q, local.e, torus, local.t0, near);
+    if !(hit.x < NO_HIT) || hit.x <= near {
+        return max(hit.x, near);
+    }
+    let p = local.q + local.e * hit.y;
+    let out = ring_distance(p, torus.ring_radius).xyz;
+    let across = length(p.xz);
+    let over = 1.0 / select(1.0, across, across > 0.0);
+    let along = (p.x * local.e.z - p.z * local.e.x) * over;
+    let ee = dot3(local.e, local.e);
+    let ring_bend = along * along * (p.x * out.x + p.z * out.z) * over * over;
+    let tube_bend = (ee - along * along) / torus.tube_radius;
+    return hit.x + max(-dot3(out, local.e), 0.0) / max(tube_bend + ring_bend, 0.1 * ee / torus.tube_radius);
 }
 
 const TORUS_PIECES: u32 = 16u;
@@ -80,11 +104,12 @@ fn vs_torus(
     let rows = rotation_to_y(unit);
     let center = view_point(center_ring.xyz);
     let torus = Torus(center, rows[0], rows[1], rows[2], center_ring.w, axis_tube.w);
-    var rect = torus_rect(torus, vertex_index / 6u, frame.depth.z);
+    let grown = outlined_torus(torus);
+    var rect = torus_rect(grown, vertex_index / 6u, frame.depth.z);
     let id = placed_id(color_id.y);
     rect.seen = rect.seen && is_solid && is_drawn_in_sample(id, color_id.x);
     var vertex: TorusVertex;
-    let nearest = -center.z - sqrt(max(1.0 - unit.z * unit.z, 0.0)) * center_ring.w - axis_tube.w;
+    let nearest = -center.z - sqrt(max(1.0 - unit.z * unit.z, 0.0)) * center_ring.w - grown.tube_radius;
     vertex.position = quad_corner(rect, corner, nearest);
     vertex.center = vec4<f32>(center, center_ring.w);
     vertex.row_x = vec4<f32>(rows[0], axis_tube.w);
@@ -105,7 +130,11 @@ fn fs_torus(vertex: TorusVertex) -> Surface {
     let near = frame.depth.z;
     let t = torus_t(ray, torus, near);
     if !(t < NO_HIT) {
-        discard;
+        let middle = torus_middle_t(ray, outlined_torus(torus), near);
+        if !has_outlines() || !(middle < NO_HIT) {
+            discard;
+        }
+        return rim(vertex.look.y, middle, torus.tube_radius);
     }
     return surface(vertex.look.y, t, torus_normal(ray, torus, near, t), color_from_srgb8(vertex.look.x));
 }

@@ -70,6 +70,8 @@
 //!   GPU ask the primitives in the tube above a point ([`render::tubes`]), which is as exact. The samples of a pixel share the
 //!   directions out.
 //! - A part of a picture ([`render::View::region`]) is byte for byte what it is in the whole: large pictures are made of such parts.
+//! - Outlines are flat rims that primitives wear, a little behind their silhouettes ([`render::outline`]); with depth of field every
+//!   sample has a camera of its own ([`render::lens`]).
 //! - Ground and background are smooth and found once a pixel; what a primitive covers is found and shaded at every sample.
 //! - Labels, legend and scale bar are placed in parts of the full picture's height and drawn onto the finished picture, by the same code for both
 //!   renderers ([`render::overlay`]).
@@ -78,7 +80,8 @@
 //!
 //! - Without hydrogens, which nitrogen of an azole carries one, and keto or enol, is guessed from lengths: about 3 % of such molecules
 //!   come out as the other form.
-//! - Outlines are missing.
+//! - Meshes have no outlines. An outline is as wide along the whole of a stick, however far that runs into the depth.
+//! - Depth of field leaves ground and background sharp, and shows faint copies where a blur is wider than 64 samples make smooth.
 //! - Finished pictures of large structures take time and memory for the light from afar: about 300 MB at 100,000 atoms, 2.5 GB at
 //!   1,000,000. `--quality draft` goes without.
 //! - On a GPU whose textures are too small for the primitives, or for the tubes of one sample's directions (about 200,000 atoms

@@ -2,8 +2,8 @@
 
 use super::size::{Crop, PictureSize};
 use super::values::{
-    Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Supercell, color, counted_from_1, opacity, positive,
-    text_size,
+    Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Supercell, blur, color, counted_from_1, fog, opacity,
+    outline_width, part, positive, text_size,
 };
 use crate::color::Srgb8;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -159,9 +159,30 @@ pub struct LookArgs {
     /// What the colours of atoms say
     #[arg(long, value_name = "SCHEME", default_value = "element", help_heading = "Look")]
     pub color_by: ColorByArg,
-    /// Light: studio, soft, flat or dark
+    /// Light and lines
     #[arg(long, value_name = "LOOK", default_value = "studio", help_heading = "Look")]
     pub look: LookArg,
+    /// Draw lines around things, as wide as so many thousandths of the picture's height; 0 for none [default: the look's, which
+    /// is none for studio, soft, flat and dark]
+    #[arg(long, value_name = "WIDTH", value_parser = outline_width, help_heading = "Look")]
+    pub outline: Option<f32>,
+    /// Colour of these lines, #rrggbb or a name [default: nearly black]
+    #[arg(long, value_name = "COLOR", value_parser = color, help_heading = "Look")]
+    pub outline_color: Option<Srgb8>,
+    /// How much of the background's colour the farthest point takes on, 0 to 1, in pictures of what is larger than about
+    /// 15 Å [default: the look's]
+    #[arg(long, value_name = "AMOUNT", value_parser = fog, help_heading = "Look")]
+    pub fog: Option<f32>,
+    /// Blur what is out of focus: what lies as far behind the focus as the molecule is deep, over so many thousandths of the
+    /// picture's height; needs perspective; 64 samples unless --samples says otherwise
+    #[arg(long, value_name = "BLUR", value_parser = blur, help_heading = "Look")]
+    pub depth_of_field: Option<f32>,
+    /// What is in focus: 0 is the front of the molecule, 1 its back
+    #[arg(long, value_name = "WHERE", value_parser = part, default_value = "0.3", requires = "depth_of_field", help_heading = "Look")]
+    pub focus: f32,
+    /// What the lights turn with
+    #[arg(long, value_name = "WITH", default_value = "camera", help_heading = "Look")]
+    pub light: LightArg,
     /// Background: transparent, #rrggbb, or a name such as white [default: white; with --look dark nearly black]
     #[arg(long, value_name = "COLOR", help_heading = "Look")]
     pub background: Option<Backdrop>,
@@ -413,6 +434,19 @@ pub enum LookArg {
     Flat,
     /// Before a dark background
     Dark,
+    /// Lightly shaded, thin dark lines around everything, as journals print
+    Outline,
+    /// Flat colours, strong lines, soft shade in the hollows
+    Illustrative,
+}
+
+/// `--light`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LightArg {
+    /// The camera: they come from the upper left of every picture
+    Camera,
+    /// The molecule: they fall as in the default view, from wherever one looks
+    World,
 }
 
 /// `--aromatic`.
@@ -554,6 +588,12 @@ mod tests {
             "--legend",
             "--scale-bar",
             "--look=soft",
+            "--outline=1.5",
+            "--outline-color=navy",
+            "--fog=0.8",
+            "--light=world",
+            "--depth-of-field=20",
+            "--focus=0.5",
             "--aromatic=dashes",
             "--vectors=forces",
             "--vector-scale=0.5",
@@ -584,6 +624,13 @@ mod tests {
             &["--label-size=0"],
             &["--label-size=nan"],
             &["--look=glossy"],
+            &["--outline=51"],
+            &["--outline=-1"],
+            &["--fog=1.2"],
+            &["--light=sun"],
+            &["--depth-of-field=0"],
+            &["--depth-of-field=10", "--focus=2"],
+            &["--focus=0.5"],
             &["--aromatic=circle"],
             &["--vector-scale=0"],
             &["--overlay=a.obj", "--overlay-opacity=1.5"],

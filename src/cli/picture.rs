@@ -3,7 +3,7 @@
 //! The renderer uses all cores for each picture, strip by strip where it is large ([`super::strips`]). One bad file never stops the others; even a panic costs only its
 //! own picture. Drawing itself is behind [`Draw`], so that this module knows neither scene nor renderer.
 
-use super::args::{Channel, Named, RenderArgs};
+use super::args::{Channel, Named, ProjectionArg, RenderArgs};
 use super::load::{LoadSeconds, load_for_picture};
 use super::plan::{Picture, Plan, plan};
 use super::report::Report;
@@ -87,6 +87,9 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
     if side > format.max_side() && args.crop.is_none() {
         let (name, limit) = (format.extensions()[0], format.max_side());
         return Err(format!("--size {size}: {name} has at most {limit} pixels a side; use png"));
+    }
+    if args.look.depth_of_field.is_some() && args.look.projection == ProjectionArg::Orthographic {
+        return Err("--depth-of-field needs --projection perspective: parallel rays have no focus".to_owned());
     }
     if args.dpi.is_some() && !format.holds_resolution() {
         let name = format.extensions()[0];
@@ -246,6 +249,12 @@ fn settings(args: &RenderArgs, size: Size, inputs: &[&PathBuf]) -> serde_json::V
         "color-by": look.color_by.name(),
         "background": look.backdrop().to_string(),
         "look": look.look.name(),
+        "outline": look.outline,
+        "outline-color": text(look.outline_color.as_ref().map(|c| c as _)),
+        "fog": look.fog,
+        "light": look.light.name(),
+        "depth-of-field": look.depth_of_field,
+        "focus": look.depth_of_field.map(|_| look.focus),
         "ground": look.has_ground(),
         "projection": look.projection.name(),
         "view": text(look.view.as_ref().map(|v| v as _)),

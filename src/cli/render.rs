@@ -11,8 +11,8 @@ use crate::error::{Error, Result};
 use crate::import;
 use crate::render::{Choice, Quality, Renderer, Selection, Settings, View, crop, select};
 use crate::scene::{
-    AltlocChoice, Aromatic, Background, ColorBy, Item, LabelContent, Look, Orientation, OverlayOptions, Scene,
-    SceneOptions, Style, VectorChoice, vector_scales,
+    AltlocChoice, Aromatic, Background, ColorBy, DepthOfField, Item, LabelContent, LightFrame, Look, Orientation,
+    OverlayOptions, Scene, SceneOptions, Style, VectorChoice, vector_scales,
 };
 use crate::structure::Mesh;
 use glam::{DVec3, Vec3};
@@ -141,6 +141,10 @@ impl Draw for Drawer {
 
 fn settings(args: &RenderArgs) -> Settings {
     let mut settings = Quality::from_name(&args.quality.name()).unwrap_or_default().settings();
+    if args.look.depth_of_field.is_some() {
+        // Through few points of the lens one sees as many pictures.
+        settings.samples = settings.samples.max(64);
+    }
     settings.samples = args.samples.unwrap_or(settings.samples);
     settings.ao = args.ao.unwrap_or(settings.ao);
     settings
@@ -202,6 +206,13 @@ pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOpt
         ground: look.has_ground(),
         background: look.backdrop().0.map_or(Background::Transparent, Background::Color),
         look: Look::from_name(&look.look.name()).unwrap_or_default(),
+        outline: look.outline.map(|thousandths| thousandths * 1e-3),
+        outline_color: look.outline_color,
+        fog: look.fog,
+        light: LightFrame::from_name(&look.light.name()).unwrap_or_default(),
+        depth_of_field: look
+            .depth_of_field
+            .map(|thousandths| DepthOfField { blur: thousandths * 1e-3, focus: look.focus }),
         haptic: look.haptic,
         text: text_options(&look.text),
         aromatic: Aromatic::from_name(&look.aromatic.name()).unwrap_or_default(),

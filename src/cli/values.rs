@@ -144,6 +144,30 @@ pub(super) fn positive(text: &str) -> Result<f32, String> {
     number.ok_or_else(|| "expected a number above 0, such as 0.5".to_owned())
 }
 
+/// Width of outlines in thousandths of the picture's height.
+pub(super) fn outline_width(text: &str) -> Result<f32, String> {
+    let width = text.trim().parse().ok().filter(|x: &f32| (0.0..=50.0).contains(x));
+    width.ok_or_else(|| "expected thousandths of the picture's height from 0 (no lines) to 50, such as 2".to_owned())
+}
+
+/// Blur of what is out of focus, in thousandths of the picture's height.
+pub(super) fn blur(text: &str) -> Result<f32, String> {
+    let width = text.trim().parse().ok().filter(|x: &f32| *x > 0.0 && *x <= 200.0);
+    width.ok_or_else(|| "expected thousandths of the picture's height above 0 and up to 200, such as 15".to_owned())
+}
+
+/// A part of a whole.
+pub(super) fn part(text: &str) -> Result<f32, String> {
+    let part = text.trim().parse().ok().filter(|x: &f32| (0.0..=1.0).contains(x));
+    part.ok_or_else(|| "expected a number from 0 to 1, such as 0.5".to_owned())
+}
+
+/// Strength of the fog.
+pub(super) fn fog(text: &str) -> Result<f32, String> {
+    let amount = text.trim().parse().ok().filter(|x: &f32| (0.0..=1.0).contains(x));
+    amount.ok_or_else(|| "expected a number from 0 (no fog) to 1 (the farthest point vanishes), such as 0.5".to_owned())
+}
+
 /// A number from 0 to 1.
 pub(super) fn opacity(text: &str) -> Result<f32, String> {
     let number = text.trim().parse().ok().filter(|x: &f32| (0.0..=1.0).contains(x));

@@ -8,6 +8,8 @@
 //! stands apart from all else. (The ground's shadow is smooth.)
 
 use super::bounds::{BoundsCamera, cylinder_rect, sphere_rect};
+use super::frame::FrameConstants;
+use super::outline::Outline;
 use super::solids::Solids;
 use super::{Image, Renderer, Settings, View};
 use crate::error::Result;
@@ -45,7 +47,8 @@ pub fn seen_region(
     let plain = Settings { ao: 0, shadow: false, ..*settings };
     let image = renderer.image(&small, &plain)?;
     let everything = Region { x: 0, y: 0, width: small.width, height: small.height };
-    let mut bounds = solid_bounds(scene, view);
+    let outline = Outline::of(&FrameConstants::new(scene, view, settings));
+    let mut bounds = solid_bounds(scene, view, outline.as_ref());
     // Here any difference counts: within a pixel of it may be a larger one.
     if let Some([left, top, right, bottom]) = seen_box(&image, background, 0, everything) {
         let scale = f64::from(view.height) / f64::from(small.height);
@@ -105,13 +108,17 @@ impl PixelBox {
     }
 }
 
-/// Bounds of all balls and sticks.
-fn solid_bounds(scene: &Scene, view: &View) -> PixelBox {
+/// Bounds of all balls and sticks, lines included.
+fn solid_bounds(scene: &Scene, view: &View, outline: Option<&Outline>) -> PixelBox {
     let solids = Solids::new(scene, view.camera.view_from_world());
     let grid = view.pixel_grid();
     let camera = BoundsCamera { orthographic: grid.orthographic, near: view.camera.near };
-    let spheres = solids.spheres.par_iter().filter_map(|s| sphere_rect(s.center, s.radius, &camera));
+    let spheres = solids.spheres.par_iter().filter_map(|s| {
+        let s = outline.map_or(*s, |outline| outline.sphere(s));
+        sphere_rect(s.center, s.radius, &camera)
+    });
     let cylinders = solids.cylinders.par_iter().filter_map(|c| {
+        let c = outline.map_or(*c, |outline| outline.cylinder(c));
         let [a, b] = c.ends();
         cylinder_rect(a, b, c.radius, c.round(), &camera)
     });

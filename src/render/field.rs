@@ -183,7 +183,8 @@ impl Field {
                 let t = center.dot(to_light);
                 let beside = (center - to_light * t).length() - radius;
                 let farthest = t + radius;
-                (farthest > 0.0 && sharpness * beside < *visible * farthest).then_some(beside)
+                // What is dark cannot get darker.
+                (*visible > 0.0 && farthest > 0.0 && sharpness * beside < *visible * farthest).then_some(beside)
             },
             |visible, index| {
                 let i = index as usize;

@@ -118,6 +118,7 @@ fn looked_at(scene: &Scene) -> FrameConstants {
         near: 0.1,
         far: 200.0,
         target: Vec3::ZERO,
+        shift: [0.0; 2],
     };
     FrameConstants::new(scene, &View::new(camera, 100, 100), &Settings::default())
 }

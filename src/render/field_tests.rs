@@ -177,6 +177,7 @@ fn frame(scene: &Scene) -> FrameConstants {
         near: 0.1,
         far: 200.0,
         target: Vec3::ZERO,
+        shift: [0.0; 2],
     };
     FrameConstants::new(scene, &View::new(camera, 100, 100), &Settings::default())
 }

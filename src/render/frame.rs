@@ -6,7 +6,7 @@ use super::settings::{Settings, View};
 use super::sky::Reach;
 use crate::color::{Srgb8, srgb_from_linear};
 use crate::math::{max, min};
-use crate::scene::{Background, Scene};
+use crate::scene::{Background, LightFrame, Outline, Scene};
 use glam::{Affine3A, Vec3, Vec4};
 
 /// Everything shading needs. Laid out as a WGSL uniform: rows of 16 bytes.
@@ -46,8 +46,14 @@ pub struct FrameConstants {
     /// x: plane units per pixel, y, z: centre of the full picture in pixels, w: 1 for orthographic projection.
     pub grid: [f32; 4],
     /// x: how much of the ambient light is left where no sky is seen, y: how much of the key light is taken away in its
-    /// shadow, z: the part of the sky that is taken to be seen where it is not asked, w: 0.
+    /// shadow, z: the part of the sky that is taken to be seen where it is not asked, w: how much of the square of the sky seen is
+    /// taken in place of itself.
     pub sky: [f32; 4],
+    /// Width of outlines: x: in ångström per ångström of depth (perspective), y: in ångström (orthographic), both 0 for none;
+    /// z: how far behind the silhouette they lie, in radii; w: 0.
+    pub outline: [f32; 4],
+    /// Their linear colour; w: 0.
+    pub outline_color: [f32; 4],
 }
 
 /// Texel grid of the ground map.
@@ -69,7 +75,15 @@ impl FrameConstants {
         let light = scene.lighting;
         let world_from_view = glam::Mat3::from_quat(camera.world_from_view);
         let up_in_view = world_from_view.transpose() * Vec3::Y;
-        let key_in_world = world_from_view * light.key_in_view;
+        let to_world = match light.frame {
+            LightFrame::Camera => world_from_view,
+            LightFrame::World => glam::Mat3::from_quat(scene.world_from_view),
+        };
+        let key_in_world = to_world * light.key_in_view;
+        let in_view = |v: Vec3| match light.frame {
+            LightFrame::Camera => v,
+            LightFrame::World => world_from_view.transpose() * (to_world * v),
+        };
         let bounds = scene.bounds();
         let (background, transparent) = match scene.background {
             Background::Color(color) => (color, 0.0),
@@ -77,9 +91,8 @@ impl FrameConstants {
         };
         // Fog spans the molecule. A small one needs none: it sets in at 15 Å and is full from 60 Å on, where the eye
         // begins to need help with what is in front.
-        let half = bounds.size().length() * 0.5;
-        let middle = camera.depth(bounds.center());
-        let large = ((2.0 * half - 15.0) / 45.0).clamp(0.0, 1.0);
+        let [front, back] = if bounds.is_empty() { [0.0; 2] } else { camera.depth_range(bounds) };
+        let large = ((bounds.size().length() - 15.0) / 45.0).clamp(0.0, 1.0);
         let fog = if transparent > 0.0 || bounds.is_empty() { 0.0 } else { light.fog * large };
         let [grid, ground_map, ground_map_size] = grids(scene, view, settings, key_in_world);
         let ground = scene.ground;
@@ -93,12 +106,12 @@ impl FrameConstants {
                 row(world_from_view.z_axis, 0.0),
                 row(camera.eye, 1.0),
             ],
-            key: row(light.key_in_view, light.key),
-            fill: row(light.fill_in_view, light.fill),
+            key: row(in_view(light.key_in_view), light.key),
+            fill: row(in_view(light.fill_in_view), light.fill),
             up: row(up_in_view, light.sky),
             ambient: [light.bounce, light.specular, light.gloss_log2 as f32, transparent],
             background: color(background, fog),
-            depth: [middle - half, 1.0 / (2.0 * half).max(1e-6), camera.near, camera.far],
+            depth: [front, 1.0 / (back - front).max(1e-6), camera.near, camera.far],
             ground_color: color(ground_color, if ground.is_some() { 1.0 } else { 0.0 }),
             ground: ground
                 .map_or([0.0; 4], |g| [g.height, g.fade_start, 1.0 / (g.fade_end - g.fade_start).max(1e-6), 0.0]),
@@ -109,8 +122,16 @@ impl FrameConstants {
             bounds_min: row(if bounds.is_empty() { Vec3::ZERO } else { bounds.min }, 0.0),
             bounds_max: row(if bounds.is_empty() { Vec3::ZERO } else { bounds.max }, 0.0),
             grid,
-            sky: [light.ao_floor, light.shadow, light.open_unasked, 0.0],
+            sky: [light.ao_floor, light.shadow, light.open_unasked, light.ao_contrast],
+            outline: outline(view, light.outline),
+            outline_color: color(light.outline.color, 0.0),
         }
+    }
+
+    /// The same without outlines: they are no surfaces, so that ids, depths and normals know nothing of them.
+    #[must_use]
+    pub fn without_outlines(self) -> FrameConstants {
+        FrameConstants { outline: [0.0; 4], ..self }
     }
 
     /// What a surface point receives where nobody asks.
@@ -158,6 +179,13 @@ impl FrameConstants {
     pub fn has_ground(&self) -> bool {
         self.ground_color[3] > 0.5
     }
+}
+
+/// Width of outlines and how far back they lie. As a part of the picture's height they are as wide at every size.
+fn outline(view: &View, outline: Outline) -> [f32; 4] {
+    let grid = view.pixel_grid();
+    let width = outline.width.max(0.0) * view.height as f32 * grid.plane_per_px;
+    if grid.orthographic { [0.0, width, outline.behind, 0.0] } else { [width, 0.0, outline.behind, 0.0] }
 }
 
 /// Pixel grid, ground map placement, ground map size.
@@ -245,7 +273,7 @@ pub fn shade_surfaces<const N: usize>(frame: &FrameConstants, points: &Surfaces<
     let [fill_x, fill_y, fill_z, fill_strength] = frame.fill;
     let [up_x, up_y, up_z, from_above] = frame.up;
     let [from_below, specular, gloss_log2, _] = frame.ambient;
-    let (rim_strength, [floor, shadow, ..]) = (frame.key_in_world[3], frame.sky);
+    let (rim_strength, [floor, shadow, _, contrast]) = (frame.key_in_world[3], frame.sky);
     let [nx, ny, nz] = points.normal;
     let [dx, dy] = points.direction;
     // What the colour is multiplied with, and the highlight.
@@ -255,7 +283,8 @@ pub fn shade_surfaces<const N: usize>(frame: &FrameConstants, points: &Surfaces<
         let over = 1.0 / (dx[i] * dx[i] + dy[i] * dy[i] + 1.0).sqrt();
         let (ex, ey, ez) = (-dx[i] * over, -dy[i] * over, over);
         // The fill stands for light from all around, so what hides the sky hides it.
-        let open = floor + (1.0 - floor) * points.open[i];
+        let seen = points.open[i] * (1.0 - contrast + contrast * points.open[i]);
+        let open = floor + (1.0 - floor) * seen;
         let lit = 1.0 - shadow * (1.0 - points.key[i]);
         let to_key = nx[i] * key_x + ny[i] * key_y + nz[i] * key_z;
         let to_fill = nx[i] * fill_x + ny[i] * fill_y + nz[i] * fill_z;
@@ -291,6 +320,15 @@ pub fn shade_surfaces<const N: usize>(frame: &FrameConstants, points: &Surfaces<
         }
     }
     color
+}
+
+/// Colour of an outline at this depth.
+#[inline(always)]
+#[must_use]
+pub fn shade_outline(frame: &FrameConstants, depth: f32) -> Vec3 {
+    let behind = min(max((depth - frame.depth[0]) * frame.depth[1], 0.0), 1.0);
+    let (line, background) = (Vec4::from(frame.outline_color).truncate(), Vec4::from(frame.background).truncate());
+    line + (background - line) * (frame.background[3] * behind * behind)
 }
 
 /// How much of the ground there is at a world point, 0–1.
@@ -348,4 +386,59 @@ pub fn resolve(sum: Vec4, samples: u32) -> Srgb8 {
     let mean = sum / samples as f32;
     let straight = if mean.w > 0.0 { mean.truncate() / mean.w } else { Vec3::ZERO };
     Srgb8::from_linear(straight.to_array(), mean.w)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Block, Placement, SphereInstance};
+    use glam::Quat;
+
+    /// Balls in a row of so many ångström along z.
+    fn row(length: f32) -> Scene {
+        let ball = |z: f32| SphereInstance { center: [0.0, 0.0, z], radius: 0.5, color: Srgb8::WHITE, id: 1 };
+        let block = Block { spheres: vec![ball(-length * 0.5), ball(length * 0.5)], id_count: 2, ..Block::default() };
+        Scene::from_blocks(vec![block], vec![Placement { block: 0, world_from_block: Affine3A::IDENTITY, first_id: 0 }])
+    }
+
+    fn frame_of(scene: &Scene, turn: Quat) -> FrameConstants {
+        let mut camera = scene.fitted_camera(1.0);
+        camera.world_from_view = turn;
+        camera.eye = camera.target - camera.forward() * 200.0;
+        FrameConstants::new(scene, &View::new(camera, 64, 64), &Settings::default())
+    }
+
+    #[test]
+    fn lights_turn_with_the_camera_or_stay_with_the_molecule() {
+        let turn = Quat::from_rotation_y(1.0);
+        let mut scene = row(10.0);
+        let (before, after) = (frame_of(&scene, Quat::IDENTITY), frame_of(&scene, turn));
+        assert_eq!((before.key, before.fill), (after.key, after.fill));
+        assert!((after.key_in_world() - turn * before.key_in_world()).length() < 1e-6);
+        scene.lighting.frame = LightFrame::World;
+        let (before, after) = (frame_of(&scene, Quat::IDENTITY), frame_of(&scene, turn));
+        assert_eq!(before.key_in_world, after.key_in_world);
+        let in_view = |frame: &FrameConstants| Vec4::from(frame.key).truncate();
+        assert!((turn * in_view(&after) - in_view(&before)).length() < 1e-6);
+        // The default view looks the same.
+        scene.lighting.frame = LightFrame::Camera;
+        let same = frame_of(&scene, Quat::IDENTITY);
+        assert!((in_view(&same) - in_view(&before)).length() < 1e-6);
+    }
+
+    #[test]
+    fn fog_goes_from_the_front_to_the_back_of_what_is_large() {
+        let scene = row(80.0);
+        let frame = frame_of(&scene, Quat::IDENTITY);
+        let seen = |depth: f32| shade_outline(&frame, depth);
+        let (line, background) = (Vec3::from(scene.lighting.outline.color.to_linear()), Vec3::ONE);
+        // The eye is 200 Å from the middle, the row reaches from 159.5 to 240.5.
+        assert!((seen(159.5) - line).length() < 1e-5 && (seen(120.0) - line).length() < 1e-5);
+        let back = line + (background - line) * scene.lighting.fog;
+        assert!((seen(240.5) - back).length() < 1e-4 && (seen(300.0) - back).length() < 1e-5);
+        // From the side the same row is shallow, and all fog lies in that.
+        let aside = frame_of(&scene, Quat::from_rotation_y(std::f32::consts::FRAC_PI_2));
+        assert!((shade_outline(&aside, 200.5) - back).length() < 1e-4);
+        assert!(frame_of(&row(5.0), Quat::IDENTITY).background[3] == 0.0);
+    }
 }

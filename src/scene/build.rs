@@ -3,7 +3,7 @@
 use super::aromatic::Aromatic;
 use super::axes::{self, Axes};
 use super::coloring::ColorBy;
-use super::light::{Background, Ground};
+use super::light::{Background, DepthOfField, Ground, LightFrame, Lighting};
 use super::look::Look;
 use super::overlay::{self, OverlayOptions};
 use super::vectors::{self, VectorChoice};
@@ -106,6 +106,16 @@ pub struct SceneOptions {
     pub text: OverlayOptions,
     /// How light falls. Default: studio. (The background is a setting of its own: see [`Look::background`].)
     pub look: Look,
+    /// Width of outlines as a part of the picture's height, 0 for none. Default: `None`, the look's.
+    pub outline: Option<f32>,
+    /// Colour of outlines. Default: `None`, the look's.
+    pub outline_color: Option<Srgb8>,
+    /// How much of the background's colour the farthest point takes on, 0–1. Default: `None`, the look's.
+    pub fog: Option<f32>,
+    /// What the lights turn with. Default: the camera.
+    pub light: LightFrame,
+    /// Depth of field, in perspective. Default: none.
+    pub depth_of_field: Option<DepthOfField>,
     /// How aromatic bonds look. Default: a ring in each ring.
     pub aromatic: Aromatic,
     /// Which vectors on atoms are drawn as arrows. Default: none.
@@ -137,6 +147,11 @@ impl Default for SceneOptions {
             haptic: false,
             text: OverlayOptions::default(),
             look: Look::default(),
+            outline: None,
+            outline_color: None,
+            fog: None,
+            light: LightFrame::default(),
+            depth_of_field: None,
             aromatic: Aromatic::default(),
             vectors: VectorChoice::default(),
             vector_scale: None,
@@ -214,11 +229,22 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
     }
     scene.world_from_view = Quat::from_rotation_x(-pitch);
     scene.perspective = options.perspective;
-    scene.lighting = options.look.lighting();
+    scene.lighting = lighting(options);
+    scene.depth_of_field = options.depth_of_field;
     scene.background = options.background;
     scene.set_ground(options.ground);
     scene.overlay = Arc::new(overlay::build(&scene, &places, &options.text, options.color_by));
     scene
+}
+
+/// The look's lights, with what is asked to be otherwise.
+fn lighting(options: &SceneOptions) -> Lighting {
+    let mut light = options.look.lighting();
+    light.frame = options.light;
+    light.fog = options.fog.unwrap_or(light.fog);
+    light.outline.width = options.outline.unwrap_or(light.outline.width);
+    light.outline.color = options.outline_color.unwrap_or(light.outline.color);
+    light
 }
 
 /// Adds the arrows along the axes: at the corner of the first cell that is drawn, else beside everything.

@@ -3,6 +3,7 @@
 //! View space is right-handed: x right, y up, the camera looks down −z. A ray is `origin + t·direction` with
 //! `direction.z = −1` in both projections, so that `t` *is* the depth along the view axis in ångström.
 
+use crate::math::Aabb;
 use glam::{Affine3A, Mat3, Quat, Vec3};
 
 /// How depth is projected.
@@ -35,6 +36,9 @@ pub struct Camera {
     pub far: f32,
     /// The point that orbiting turns about, world space.
     pub target: Vec3,
+    /// The place in the plane (slopes, or ångström in orthographic projection) that the middle of the picture shows: 0 but for a part of
+    /// a lens, see [`crate::render::lens`].
+    pub shift: [f32; 2],
 }
 
 /// A part of the picture, in pixels from the upper left corner.
@@ -118,11 +122,10 @@ impl Camera {
             Projection::Perspective { fov_y_rad } => (2.0 * (fov_y_rad * 0.5).tan(), false),
             Projection::Orthographic { height } => (height, true),
         };
-        PixelGrid {
-            plane_per_px: span / height as f32,
-            center_px: [width as f32 * 0.5, height as f32 * 0.5],
-            orthographic,
-        }
+        let plane_per_px = span / height as f32;
+        let [right, up] = self.shift.map(|shift| shift / plane_per_px);
+        let center_px = [width as f32 * 0.5 - right, height as f32 * 0.5 + up];
+        PixelGrid { plane_per_px, center_px, orthographic }
     }
 
     /// Rigid transform from world to view space.
@@ -142,6 +145,14 @@ impl Camera {
     #[must_use]
     pub fn depth(&self, point_in_world: Vec3) -> f32 {
         (point_in_world - self.eye).dot(self.forward())
+    }
+
+    /// Depths of the nearest and the farthest corner of a box in world space.
+    #[must_use]
+    pub fn depth_range(&self, bounds: Aabb) -> [f32; 2] {
+        let (middle, half) = (self.depth(bounds.center()), bounds.size() * 0.5);
+        let reach = self.forward().abs().dot(half);
+        [middle - reach, middle + reach]
     }
 
     /// Ångström per pixel at the depth of the target.

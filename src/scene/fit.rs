@@ -172,6 +172,7 @@ pub fn frame(
         near: 1e-3 * size.length(),
         far: far + GROUND_FADE_END * size.length(),
         target: world_from_view * middle,
+        shift: [0.0; 2],
     }
 }
 

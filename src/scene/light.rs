@@ -6,14 +6,47 @@
 use crate::color::Srgb8;
 use glam::Vec3;
 
+/// What the lights turn with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LightFrame {
+    /// The camera: they come from the same side of every picture.
+    #[default]
+    Camera,
+    /// The molecule: they fall as in the default view, from wherever it is seen.
+    World,
+}
+
+impl LightFrame {
+    /// All of them.
+    pub const ALL: [LightFrame; 2] = [LightFrame::Camera, LightFrame::World];
+
+    /// The name in flags and settings.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            LightFrame::Camera => "camera",
+            LightFrame::World => "world",
+        }
+    }
+
+    /// The one of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<LightFrame> {
+        LightFrame::ALL.into_iter().find(|frame| frame.name() == name)
+    }
+}
+
 /// The lights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lighting {
-    /// Direction to the key light in view space (x right, y up, z to the viewer); it moves with the camera. Default: upper left.
+    /// What they turn with. Default: the camera.
+    pub frame: LightFrame,
+    /// Direction to the key light in view space (x right, y up, z to the viewer), that of the default view if the lights do not turn with the
+    /// camera. Default: upper left.
     pub key_in_view: Vec3,
     /// Strength of the key light. Default: 0.74.
     pub key: f32,
-    /// Direction to the fill light in view space. Default: right, a little below.
+    /// Direction to the fill light, likewise. Default: right, a little below.
     pub fill_in_view: Vec3,
     /// Strength of the fill light. Default: 0.08.
     pub fill: f32,
@@ -29,18 +62,42 @@ pub struct Lighting {
     pub rim: f32,
     /// How much of the ambient light is left where no sky is seen, 0–1. Default: 0.25: crevices stay readable.
     pub ao_floor: f32,
+    /// How much darker hollows are than by the part of the sky that they see: 0 for that part itself, 1 for its square. Default: 0.
+    pub ao_contrast: f32,
     /// How much of the key light its shadow takes away, 0–1. Default: 0.85.
     pub shadow: f32,
     /// The part of the sky that is taken to be seen where ambient occlusion is not asked for: about what atoms of a
     /// molecule see in the mean, so that a draft is as bright as the finished picture. Default: 0.75.
     pub open_unasked: f32,
-    /// How much of the background's colour the farthest point takes on (depth cueing), half-way a quarter of it. Default: 0.5.
+    /// How much of the background's colour the farthest point takes on (depth cueing), half-way a quarter of it. Default: 0.7: of a
+    /// haemoglobin as balls and sticks the front stands before the rest, and the back is still read.
     pub fog: f32,
+    /// Lines around things. Default: none.
+    pub outline: Outline,
+}
+
+/// Lines around things, drawn behind the silhouette of each: see [`crate::render::outline`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outline {
+    /// How wide they are, as a part of the height of the full picture; 0 for none. Default: 0.
+    pub width: f32,
+    /// Their colour. Default: nearly black.
+    pub color: Srgb8,
+    /// How far behind the silhouette they lie, in radii of the ball or stick: what is behind it by less gets no line. Default: 0.6:
+    /// a stick that leaves its ball towards the viewer has lines from where it stands clear of it.
+    pub behind: f32,
+}
+
+impl Default for Outline {
+    fn default() -> Self {
+        Outline { width: 0.0, color: Srgb8::rgb(20, 20, 24), behind: 0.6 }
+    }
 }
 
 impl Default for Lighting {
     fn default() -> Self {
         Lighting {
+            frame: LightFrame::Camera,
             key_in_view: Vec3::new(-0.45, 0.75, 0.55).normalize(),
             key: 0.74,
             fill_in_view: Vec3::new(0.8, -0.2, 0.55).normalize(),
@@ -51,11 +108,22 @@ impl Default for Lighting {
             gloss_log2: 6,
             rim: 0.45,
             ao_floor: 0.25,
+            ao_contrast: 0.0,
             shadow: 0.85,
             open_unasked: 0.75,
-            fog: 0.5,
+            fog: 0.7,
+            outline: Outline::default(),
         }
     }
+}
+
+/// Depth of field: what is out of focus is blurred.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthOfField {
+    /// How wide a point is blurred that lies as far behind the focus as the scene is deep, as a part of the picture's height.
+    pub blur: f32,
+    /// What is in focus: 0 is the front of the scene, 1 its back.
+    pub focus: f32,
 }
 
 /// What is behind everything.

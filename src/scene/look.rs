@@ -2,7 +2,7 @@
 //!
 //! All numbers are ours, chosen by eye on a small molecule, a protein and a crystal.
 
-use super::light::Lighting;
+use super::light::{Lighting, Outline};
 use crate::color::Srgb8;
 use glam::Vec3;
 
@@ -18,11 +18,15 @@ pub enum Look {
     Flat,
     /// Before a dark background, with a light that comes from behind as well.
     Dark,
+    /// Shaded lightly, with a thin dark line around everything: as journals print.
+    Outline,
+    /// Flat colours, strong lines and soft shade in the hollows: as illustrators draw large molecules.
+    Illustrative,
 }
 
 impl Look {
     /// All of them.
-    pub const ALL: [Look; 4] = [Look::Studio, Look::Soft, Look::Flat, Look::Dark];
+    pub const ALL: [Look; 6] = [Look::Studio, Look::Soft, Look::Flat, Look::Dark, Look::Outline, Look::Illustrative];
 
     /// The name in flags and settings.
     #[must_use]
@@ -32,6 +36,8 @@ impl Look {
             Look::Soft => "soft",
             Look::Flat => "flat",
             Look::Dark => "dark",
+            Look::Outline => "outline",
+            Look::Illustrative => "illustrative",
         }
     }
 
@@ -45,7 +51,7 @@ impl Look {
     #[must_use]
     pub fn background(self) -> Srgb8 {
         match self {
-            Look::Studio | Look::Soft | Look::Flat => Srgb8::WHITE,
+            Look::Studio | Look::Soft | Look::Flat | Look::Outline | Look::Illustrative => Srgb8::WHITE,
             // Nearly black, a little blue: black itself looks like a hole beside a page or a slide.
             Look::Dark => Srgb8::rgb(16, 18, 24),
         }
@@ -66,7 +72,7 @@ impl Look {
                 rim: 0.3,
                 ao_floor: 0.08,
                 shadow: 0.6,
-                fog: 0.6,
+                fog: 0.75,
                 ..Lighting::default()
             },
             Look::Flat => Lighting {
@@ -78,7 +84,7 @@ impl Look {
                 rim: 0.35,
                 ao_floor: 0.7,
                 shadow: 0.5,
-                fog: 0.6,
+                fog: 0.75,
                 ..Lighting::default()
             },
             Look::Dark => Lighting {
@@ -89,7 +95,35 @@ impl Look {
                 bounce: 0.10,
                 specular: 0.3,
                 rim: 0.2,
-                fog: 0.7,
+                fog: 0.75,
+                ..Lighting::default()
+            },
+            Look::Outline => Lighting {
+                key: 0.42,
+                fill: 0.06,
+                sky: 0.66,
+                bounce: 0.42,
+                specular: 0.10,
+                rim: 0.15,
+                ao_floor: 0.35,
+                shadow: 0.6,
+                fog: 0.75,
+                outline: Outline { width: 0.0016, ..Outline::default() },
+                ..Lighting::default()
+            },
+            Look::Illustrative => Lighting {
+                key: 0.14,
+                fill: 0.0,
+                sky: 0.92,
+                bounce: 0.80,
+                specular: 0.0,
+                rim: 0.0,
+                ao_floor: 0.12,
+                ao_contrast: 0.8,
+                shadow: 0.4,
+                fog: 0.5,
+                // Lines nearer to the silhouette than usual: large balls are drawn apart.
+                outline: Outline { width: 0.0026, behind: 0.25, ..Outline::default() },
                 ..Lighting::default()
             },
         }

@@ -32,7 +32,7 @@ pub use build::{AltlocChoice, Item, Orientation, SceneOptions};
 pub use camera::{Camera, PixelGrid, Projection, Ray, Region};
 pub use coloring::ColorBy;
 pub use instances::{Cap, CylinderInstance, SphereInstance};
-pub use light::{Background, Ground, Lighting};
+pub use light::{Background, DepthOfField, Ground, LightFrame, Lighting, Outline};
 pub use look::Look;
 pub use overlay::{Label, LabelContent, LegendRow, Overlay, OverlayOptions};
 pub use shapes::{ConeInstance, TorusInstance, TriangleInstance};
@@ -84,6 +84,8 @@ pub struct Scene {
     pub background: Background,
     /// The ground, if there is one.
     pub ground: Option<Ground>,
+    /// Depth of field, if there is any.
+    pub depth_of_field: Option<DepthOfField>,
     /// What is written over the picture.
     pub overlay: Arc<Overlay>,
     /// How the default camera is turned.
@@ -122,6 +124,7 @@ impl Scene {
             lighting: Lighting::default(),
             background: Background::default(),
             ground: None,
+            depth_of_field: None,
             overlay: Arc::default(),
             world_from_view: Quat::IDENTITY,
             perspective: true,

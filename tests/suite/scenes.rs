@@ -4,8 +4,8 @@ use ballstick::color::Srgb8;
 use ballstick::element::Element;
 use ballstick::render::View;
 use ballstick::scene::{
-    Background, Block, Camera, Cap, ConeInstance, CylinderInstance, Item, Placement, Projection, Region, Scene,
-    SceneOptions, SphereInstance, Style, TorusInstance, TriangleInstance,
+    Background, Block, Camera, Cap, ConeInstance, CylinderInstance, DepthOfField, Item, Look, Placement, Projection,
+    Region, Scene, SceneOptions, SphereInstance, Style, TorusInstance, TriangleInstance,
 };
 use ballstick::structure::{AtomRecord, Bond, BondOrder, BondSource, Diagnostics, Structure, StructureBuilder};
 use glam::{Affine3A, DVec3, Quat, Vec3};
@@ -59,6 +59,7 @@ fn camera(distance: f32, projection: Projection, near: f32) -> Camera {
         near,
         far: distance + 100.0,
         target: Vec3::ZERO,
+        shift: [0.0; 2],
     }
 }
 
@@ -146,6 +147,10 @@ pub(crate) fn all() -> Vec<Case> {
             "molecule_dark",
             &SceneOptions { background: Background::Color(Srgb8::rgb(20, 24, 32)), ..SceneOptions::default() },
         ),
+        fitted(
+            "depth_of_field",
+            &SceneOptions { depth_of_field: Some(DepthOfField { blur: 0.15, focus: 0.3 }), ..SceneOptions::default() },
+        ),
         fogged(),
     ];
     let mut part = fitted("molecule_region", &SceneOptions::default());
@@ -153,7 +158,50 @@ pub(crate) fn all() -> Vec<Case> {
     part.view.region = Some(Region { x: 170, y: 150, width: WIDTH, height: HEIGHT });
     cases.push(part);
     cases.extend(shapes::cases());
+    cases.extend(outlined(&cases));
     cases
+}
+
+/// Lines around things: in the looks that have them, and broad ones around all kinds of primitives.
+fn outlined(cases: &[Case]) -> Vec<Case> {
+    let look = |name, look, style| fitted(name, &SceneOptions { look, style, ..SceneOptions::default() });
+    let mut lined = vec![
+        look("molecule_outline", Look::Outline, Style::BallAndStick),
+        look("molecule_outline_licorice", Look::Outline, Style::Licorice),
+        look("molecule_illustrative", Look::Illustrative, Style::SpaceFilling),
+        case("outlines_of_crossing_sticks", crossing_sticks(), camera(6.0, perspective(30.0), 0.1)),
+    ];
+    for (name, of) in [
+        ("outlines_of_all_primitives", "all_primitives_on_ground"),
+        ("outlines_of_mixed_caps", "sticks_mixed_caps"),
+        ("outlines_of_tori_orthographic", "tori_orthographic"),
+        ("outlines_near_cut", "stick_near_cut"),
+        ("outlines_see_through", "see_through_half"),
+    ] {
+        let found = cases.iter().find(|case| case.name == of).unwrap();
+        lined.push(Case { name, scene: found.scene.clone(), view: found.view });
+    }
+    for case in &mut lined {
+        // Wide enough to be seen in so few pixels.
+        case.scene.lighting.outline.width = 0.012;
+        case.scene.lighting.outline.color = Srgb8::rgb(16, 16, 48);
+    }
+    lined
+}
+
+/// A stick before another, and one that leaves a ball towards the viewer.
+fn crossing_sticks() -> Scene {
+    let flat = (Cap::Flat, Cap::Flat);
+    let at = Vec3::new;
+    scene_of(
+        vec![sphere(at(-0.9, -0.5, 0.0), 0.45, 0xD0_D0_D0, 1)],
+        vec![
+            stick(at(-1.6, 0.9, -0.5), at(1.6, -0.2, -0.5), 0.15, flat, 2),
+            stick(at(0.3, -1.3, 0.4), at(0.7, 1.3, 0.4), 0.15, flat, 3),
+            stick(at(-0.9, -0.5, 0.0), at(-0.2, -0.7, 1.0), 0.15, flat, 4),
+            stick(at(-0.9, -0.5, 0.0), at(-1.6, -0.9, -1.2), 0.15, flat, 5),
+        ],
+    )
 }
 
 fn two_balls() -> Scene {

@@ -74,6 +74,7 @@ fn uniforms_have_the_same_bytes_in_rust_and_wgsl() {
         background "background", depth "depth", ground_color "ground_color", ground "ground",
         ground_center "ground_center", ground_map "ground_map", ground_map_size "ground_map_size",
         key_in_world "key_in_world", bounds_min "bounds_min", bounds_max "bounds_max", grid "grid", sky "sky",
+        outline "outline", outline_color "outline_color",
     ]);
     assert_same_layout!("common.wgsl", SampleConstants, "SampleConstants", [
         origin "origin", size "size", offset "offset", done "done", turn "turn",

@@ -3,6 +3,7 @@
 use crate::render::bounds::{
     BoundsCamera, PlaneRect, TORUS_PIECES, cone_rect, cylinder_rect, sphere_rect, torus_rect, triangle_rect,
 };
+use crate::render::outline::Outline;
 use crate::render::settings::View;
 use crate::render::solids::{Primitive, Solids};
 use crate::scene::Region;
@@ -59,7 +60,7 @@ pub(super) struct Bins {
 
 impl Bins {
     /// Finds the candidates of a view for tiles of so many pixels. Regions are at most 65,535 pixels on a side.
-    pub(super) fn new(solids: &Solids, view: &View, tile: u32) -> Bins {
+    pub(super) fn new(solids: &Solids, outline: Option<&Outline>, view: &View, tile: u32) -> Bins {
         let region = view.region();
         let tiles = [region.width.div_ceil(tile), region.height.div_ceil(tile)];
         let grid = view.pixel_grid();
@@ -84,21 +85,22 @@ impl Bins {
         };
         let of = |i: usize| match solids.primitive(i) {
             Primitive::Sphere(s) => {
-                let sphere = &solids.spheres[s];
+                let sphere = outline.map_or(solids.spheres[s], |outline| outline.sphere(&solids.spheres[s]));
                 let rect = sphere_rect(sphere.center, sphere.radius, &camera)?;
                 candidate(i, -sphere.center.z - sphere.radius, rect)
             }
             Primitive::Cylinder(c) => {
-                let cylinder = &solids.cylinders[c];
+                let cylinder = solids.cylinders[c];
+                let cylinder = outline.map_or(cylinder, |outline| outline.cylinder(&cylinder));
                 let [a, b] = cylinder.ends();
                 let nearest = (-a.z).min(-b.z) - cylinder.radius;
                 candidate(i, nearest, cylinder_rect(a, b, cylinder.radius, cylinder.round(), &camera)?)
             }
             Primitive::Cone(c) => {
-                let cone = &solids.cones[c];
+                let cone = outline.map_or(solids.cones[c], |outline| outline.cone(&solids.cones[c]));
                 let ([a, b], [radius_a, radius_b]) = (cone.ends(), cone.radii);
                 let nearest = nearest_point(&[(a, radius_a), (b, radius_b)]);
-                candidate(i, nearest, upright(cone_rect(cone, &camera)?.upright()))
+                candidate(i, nearest, upright(cone_rect(&cone, &camera)?.upright()))
             }
             Primitive::Torus(_) => None, // in pieces, below
             Primitive::Triangle(t) => {
@@ -112,8 +114,9 @@ impl Bins {
         let first_torus = solids.spheres.len() + solids.cylinders.len() + solids.cones.len();
         // A tile may get a torus twice, by two pieces: it is drawn in both, which changes nothing.
         candidates.extend(solids.tori.iter().enumerate().flat_map(|(t, torus)| {
+            let torus = outline.map_or(*torus, |outline| outline.torus(torus));
             let nearest = -torus.bounds().max.z;
-            let pieces = (0..TORUS_PIECES).filter_map(|piece| torus_rect(torus, piece, &camera));
+            let pieces = (0..TORUS_PIECES).filter_map(|piece| torus_rect(&torus, piece, &camera));
             pieces.filter_map(|rect| candidate(first_torus + t, nearest, rect)).collect::<Vec<_>>()
         }));
         let mut bins = Bins { tile, tiles, candidates, first: Vec::new(), list: Vec::new() };

@@ -50,18 +50,41 @@ struct Seen {
 }
 
 impl Clusters {
-    /// Of these primitives of `solids`.
-    pub(super) fn new(bodies: Vec<Body>, solids: &Solids) -> Clusters {
-        let (mut simple, mut others): (Vec<Body>, Vec<Body>) = bodies.into_iter().partition(|body| body.radius >= 0.0);
-        rayon::join(|| gather(&mut simple), || gather(&mut others));
-        let bounds = |body: &Body| (body.index, Bound::of(solids, body.index as usize));
+    /// Of these primitives of `solids`, in an order found before.
+    pub(super) fn new(bodies: &[Body], order: &Order, solids: &Solids) -> Clusters {
+        let member = |&index: &u32| bodies[index as usize];
+        let bounds = |&index: &u32| (index, Bound::of(solids, index as usize));
         Clusters {
-            simple: simple.par_chunks(LANES).map(Cluster::new).collect(),
-            others: others.chunks(LANES).map(|members| members.iter().map(bounds).collect()).collect(),
+            simple: (order.simple.par_chunks(LANES))
+                .map(|members| Cluster::new(&members.iter().map(member).collect::<Vec<_>>()))
+                .collect(),
+            others: order.others.chunks(LANES).map(|members| members.iter().map(bounds).collect()).collect(),
         }
     }
 
     /// How many clusters there are.
+    pub(super) fn len(&self) -> usize {
+        self.simple.len() + self.others.len()
+    }
+}
+
+/// Which primitives are neighbours: every [`LANES`] of them make a cluster. The same however the scene is turned.
+#[derive(Debug, Default)]
+pub(super) struct Order {
+    simple: Vec<u32>,
+    others: Vec<u32>,
+}
+
+impl Order {
+    /// Of all primitives.
+    pub(super) fn new(bodies: &[Body]) -> Order {
+        let (mut simple, mut others): (Vec<Body>, Vec<Body>) = bodies.iter().partition(|body| body.radius >= 0.0);
+        rayon::join(|| gather(&mut simple), || gather(&mut others));
+        let indices = |bodies: Vec<Body>| bodies.iter().map(|body| body.index).collect();
+        Order { simple: indices(simple), others: indices(others) }
+    }
+
+    /// How many primitives it is of.
     pub(super) fn len(&self) -> usize {
         self.simple.len() + self.others.len()
     }

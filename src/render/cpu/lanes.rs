@@ -43,6 +43,15 @@ impl Pass {
             4.. => 2,
             _ => 4,
         };
+        Pass::with_side(first, samples, side)
+    }
+
+    /// One sample of each pixel.
+    pub(super) fn of_one(sample: u32, samples: u32) -> Pass {
+        Pass::with_side(sample, samples, 4)
+    }
+
+    fn with_side(first: u32, samples: u32, side: u32) -> Pass {
         let per_pixel = LANES as u32 / (side * side);
         let group = std::array::from_fn(|pixel| {
             let (x, y) = (pixel as u32 % 4, pixel as u32 / 4);

@@ -3,7 +3,7 @@
 
 use super::behind::{Mask, behind};
 use super::casters::{self, Axes, Body, Starts};
-use super::clusters::{self, Clusters};
+use super::clusters::{self, Clusters, Order};
 use super::lanes::{LANES, Lanes, whole};
 use crate::math::{max, min};
 use crate::render::frame::FrameConstants;
@@ -34,6 +34,8 @@ pub(super) struct Lights {
     key_of: (Vec3, u32),
     /// Samples of a pixel.
     samples: u32,
+    /// Of a large scene, which primitives make clusters.
+    order: Order,
 }
 
 /// Directions that samples ask in turn.
@@ -135,20 +137,23 @@ enum Crowd {
 }
 
 impl<'a> Shadows<'a> {
-    /// `asks` says whether there will be questions.
-    pub(super) fn new(scene: &Scene, view: &View, solids: &'a Solids, asks: bool) -> Shadows<'a> {
-        Shadows::with(scene, view, solids, asks, MANY)
+    /// For what `lights` ask.
+    pub(super) fn new(scene: &Scene, view: &View, solids: &'a Solids, lights: &mut Lights) -> Shadows<'a> {
+        Shadows::with(scene, view, solids, lights, MANY)
     }
 
     /// In clusters from so many primitives on.
-    fn with(scene: &Scene, view: &View, solids: &'a Solids, asks: bool, many: usize) -> Shadows<'a> {
+    fn with(scene: &Scene, view: &View, solids: &'a Solids, lights: &mut Lights, many: usize) -> Shadows<'a> {
         let view_from_world = view.camera.view_from_world();
         let center_in_view = view_from_world.transform_point3(scene.bounds().center());
-        let bodies = if asks { Body::all(solids) } else { Vec::new() };
+        let bodies = if lights.asks() { Body::all(solids) } else { Vec::new() };
         let crowd = if bodies.len() < many {
             Crowd::Each { bodies, width: width_of(solids) }
         } else {
-            Crowd::Clusters(Clusters::new(bodies, solids))
+            if lights.order.len() != bodies.len() {
+                lights.order = Order::new(&bodies);
+            }
+            Crowd::Clusters(Clusters::new(&bodies, &lights.order, solids))
         };
         Shadows { crowd, solids, view_from_world, center_in_view }
     }
@@ -273,7 +278,7 @@ impl Questions<'_> {
         if asking == 0 {
             return;
         }
-        for lane in 0..LANES {
+        for (lane, tube) in tube.iter_mut().enumerate() {
             let x = points.position[0][lane] - center.x;
             let y = points.position[1][lane] - center.y;
             let z = points.position[2][lane] - center.z;
@@ -283,7 +288,7 @@ impl Questions<'_> {
             let column = (at.x[lane] - tubes.corner[0]) * tubes.per_angstrom;
             let row = (at.y[lane] - tubes.corner[1]) * tubes.per_angstrom;
             let (column, row) = (min(max(column.floor(), 0.0), most[0]), min(max(row.floor(), 0.0), most[1]));
-            tube[lane] = whole(row) * tubes.size[0] + whole(column);
+            *tube = whole(row) * tubes.size[0] + whole(column);
         }
         let exactly = |index: u32, free: &mut Mask| {
             if self.solids.hides(index as usize, sample, self.samples) {

@@ -88,9 +88,10 @@ fn ask(scene: &Scene, sky: &Turns, key: &Turns, points: &[(Vec3, Vec3)], many: u
         near: 0.1,
         far: 100.0,
         target: center,
+        shift: [0.0; 2],
     };
     let in_view = Solids::new(scene, camera.view_from_world());
-    let shadows = Shadows::with(scene, &View::new(camera, 10, 10), &in_view, true, many);
+    let shadows = Shadows::with(scene, &View::new(camera, 10, 10), &in_view, &mut lights, many);
     let questions = shadows.look(&mut lights, &(0..1));
     let told = points.chunks(LANES).flat_map(|chunk| {
         let mut block = Points { own: [NOBODY; LANES], ..Points::default() };

@@ -1,33 +1,42 @@
 //! The reference: plain, scalar, single-threaded ray casting over one hierarchy. The only writer of golden pictures.
 
-use super::intersect::primitive_t;
+use super::intersect::{outlined_t, primitive_t};
 use super::shader::Shader;
 use crate::math::Aabb;
 use crate::render::field::{Field, GroundMap};
 use crate::render::frame::{FrameConstants, resolve};
 use crate::render::hierarchy::Hierarchy;
 use crate::render::image::{GBuffer, Image, SkyVisibility};
+use crate::render::lens::Lens;
+use crate::render::outline::{Outline, RIM};
 use crate::render::settings::{Settings, View, sample_offset};
 use crate::render::sky::{self, Reach, START_OFFSET, Turns};
 use crate::render::solids::Solids;
 use crate::scene::{PixelGrid, Ray, Scene};
 use glam::{Vec3, Vec4};
+use std::ops::Range;
 
 /// The scene as the reference sees it.
 struct Reference {
     solids: Solids,
     hierarchy: Hierarchy,
+    outline: Option<Outline>,
     near: f32,
 }
 
 impl Reference {
-    fn new(scene: &Scene, view: &View) -> Reference {
+    fn new(scene: &Scene, view: &View, frame: &FrameConstants) -> Reference {
         let solids = Solids::new(scene, view.camera.view_from_world());
-        let hierarchy = Hierarchy::new(&solids.bounds());
-        Reference { solids, hierarchy, near: view.camera.near }
+        let outline = Outline::of(frame);
+        let bounds = match &outline {
+            Some(outline) => (0..solids.len()).map(|index| outline.box_of(&solids, index)).collect(),
+            None => solids.bounds(),
+        };
+        Reference { hierarchy: Hierarchy::new(&bounds), solids, outline, near: view.camera.near }
     }
 
-    /// The nearest primitive that is there in a sample (index and number of all), and its depth; of equals the first.
+    /// The nearest primitive that is there in a sample (index and number of all), and its depth; of equals the first. An
+    /// index with [`RIM`] is that of a primitive's outline.
     fn nearest(&self, ray: &Ray, [sample, samples]: [u32; 2]) -> Option<(u32, f32)> {
         let inverse = ray.direction.recip();
         let mut best = (f32::INFINITY, u32::MAX);
@@ -40,9 +49,9 @@ impl Reference {
                 (leave >= self.near && enter <= best.0).then_some(enter)
             },
             |best, index| {
-                let t = primitive_t(ray, &self.solids, index as usize, self.near);
-                if (t, index) < *best && self.solids.is_drawn(index as usize, sample, samples) {
-                    *best = (t, index);
+                let hit = outlined_t(ray, &self.solids, self.outline.as_ref(), index, self.near);
+                if hit < *best && self.solids.is_drawn(index as usize, sample, samples) {
+                    *best = hit;
                 }
             },
         );
@@ -116,42 +125,76 @@ fn for_each_pixel(view: &View, mut pixel: impl FnMut(f32, f32)) {
 pub fn image(scene: &Scene, view: &View, settings: &Settings) -> Image {
     let frame = FrameConstants::new(scene, view, settings);
     let ground_map = Field::new(scene).ground_map(&frame);
-    let reference = Reference::new(scene, view);
-    let shader = Shader::new(&frame, &reference.solids, &ground_map);
-    let grid: PixelGrid = view.pixel_grid();
     let region = view.region();
-    let mut rgba = Vec::with_capacity(region.width as usize * region.height as usize * 4);
     let samples = settings.samples.clamp(1, 4096);
-    let reaches = Reaches::new(&frame, view, settings);
-    for_each_pixel(view, |x, y| {
-        let backdrop = shader.backdrop(&grid.ray(grid.plane(x + 0.5, y + 0.5)));
-        let mut sum = Vec4::ZERO;
-        let mut unseen = 0u32;
-        for sample in 0..samples {
-            let [dx, dy] = sample_offset(sample, samples);
-            let ray = grid.ray(grid.plane(x + dx, y + dy));
-            let Some((index, t)) = reference.nearest(&ray, [sample, samples]).filter(|&(_, t)| shader.is_seen(&ray, t))
-            else {
-                unseen += 1;
-                continue;
-            };
-            let normal = shader.surface(&ray, index, t).normal;
-            let reach = reaches.of(&reference, &ray, t, normal, [sample, samples]);
-            sum += shader.primitive(&ray, index, t, reach);
+    // The sum of what samples see, and how many see nothing.
+    let mut sums = vec![(Vec4::ZERO, 0u32); region.width as usize * region.height as usize];
+    match Lens::of(scene, view) {
+        None => add_samples(scene, (view, settings), &frame, &ground_map, 0..samples, &mut sums),
+        Some(lens) => {
+            for sample in 0..samples {
+                let view = lens.view(view, sample, samples);
+                let frame = FrameConstants::new(scene, &view, settings);
+                add_samples(scene, (&view, settings), &frame, &ground_map, sample..sample + 1, &mut sums);
+            }
         }
-        let pixel = resolve(sum + backdrop * unseen as f32, samples);
-        rgba.extend_from_slice(bytemuck::bytes_of(&pixel));
+    }
+    let none = Solids::default();
+    let shader = Shader::new(&frame, &none, &ground_map);
+    let grid = view.pixel_grid();
+    let mut rgba = Vec::with_capacity(sums.len() * 4);
+    let mut sums = sums.into_iter();
+    for_each_pixel(view, |x, y| {
+        let (sum, unseen) = sums.next().unwrap_or_default();
+        let backdrop = shader.backdrop(&grid.ray(grid.plane(x + 0.5, y + 0.5)));
+        rgba.extend_from_slice(bytemuck::bytes_of(&resolve(sum + backdrop * unseen as f32, samples)));
     });
     Image { width: region.width, height: region.height, rgba }
+}
+
+/// Adds what these samples of each pixel see of the primitives.
+fn add_samples(
+    scene: &Scene,
+    (view, settings): (&View, &Settings),
+    frame: &FrameConstants,
+    ground_map: &GroundMap,
+    range: Range<u32>,
+    sums: &mut [(Vec4, u32)],
+) {
+    let reference = Reference::new(scene, view, frame);
+    let shader = Shader::new(frame, &reference.solids, ground_map);
+    let grid: PixelGrid = view.pixel_grid();
+    let samples = settings.samples.clamp(1, 4096);
+    let reaches = Reaches::new(frame, view, settings);
+    let mut sums = sums.iter_mut();
+    for_each_pixel(view, |x, y| {
+        let Some((sum, unseen)) = sums.next() else { return };
+        for sample in range.clone() {
+            let [dx, dy] = sample_offset(sample, samples);
+            let ray = grid.ray(grid.plane(x + dx, y + dy));
+            let nearest = reference.nearest(&ray, [sample, samples]);
+            let Some((index, t)) = nearest.filter(|&(index, t)| shader.is_seen(&ray, index, t)) else {
+                *unseen += 1;
+                continue;
+            };
+            if index & RIM != 0 {
+                *sum += shader.outline(t);
+                continue;
+            }
+            let normal = shader.surface(&ray, index, t).normal;
+            let reach = reaches.of(&reference, &ray, t, normal, [sample, samples]);
+            *sum += shader.primitive(&ray, index, t, reach);
+        }
+    });
 }
 
 /// What is seen at the pixel centres.
 #[must_use]
 pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
     let settings = Settings::default();
-    let frame = FrameConstants::new(scene, view, &settings);
+    let frame = FrameConstants::new(scene, view, &settings).without_outlines();
     let ground_map = GroundMap::none();
-    let reference = Reference::new(scene, view);
+    let reference = Reference::new(scene, view, &frame);
     let shader = Shader::new(&frame, &reference.solids, &ground_map);
     let grid = view.pixel_grid();
     let region = view.region();
@@ -168,16 +211,16 @@ pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
 pub fn sky_visibility(scene: &Scene, view: &View, directions: u32) -> SkyVisibility {
     // The one sample of a pixel asks all of them.
     let settings = Settings { samples: 1, ao: directions, shadow: false, ..Settings::default() };
-    let frame = FrameConstants::new(scene, view, &settings);
+    let frame = FrameConstants::new(scene, view, &settings).without_outlines();
     let ground_map = GroundMap::none();
-    let reference = Reference::new(scene, view);
+    let reference = Reference::new(scene, view, &frame);
     let shader = Shader::new(&frame, &reference.solids, &ground_map);
     let reaches = Reaches { unasked: Reach { open: 1.0, key: 1.0 }, ..Reaches::new(&frame, view, &settings) };
     let (grid, region) = (view.pixel_grid(), view.region());
     let mut open = Vec::with_capacity(region.width as usize * region.height as usize);
     for_each_pixel(view, |x, y| {
         let ray = grid.ray(grid.plane(x + 0.5, y + 0.5));
-        let seen = reference.nearest(&ray, [0, 1]).filter(|&(_, t)| shader.is_seen(&ray, t));
+        let seen = reference.nearest(&ray, [0, 1]).filter(|&(index, t)| shader.is_seen(&ray, index, t));
         open.push(seen.map_or(1.0, |(index, t)| {
             let normal = shader.surface(&ray, index, t).normal;
             reaches.of(&reference, &ray, t, normal, [0, 1]).open
@@ -204,12 +247,19 @@ mod tests {
         let scene = Scene::from_blocks(vec![block], vec![placement]);
         let projection = Projection::Orthographic { height: 4.0 };
         let eye = Vec3::new(0.0, 0.0, 9.0);
-        let camera =
-            Camera { eye, world_from_view: Quat::IDENTITY, projection, near: 0.1, far: 20.0, target: Vec3::ZERO };
+        let camera = Camera {
+            eye,
+            world_from_view: Quat::IDENTITY,
+            projection,
+            near: 0.1,
+            far: 20.0,
+            target: Vec3::ZERO,
+            shift: [0.0; 2],
+        };
         let view = View::new(camera, 8, 8);
         let settings = Settings { samples, ao: 64, shadow: true, ground_texels: 16 };
         let frame = FrameConstants::new(&scene, &view, &settings);
-        let (reference, reaches) = (Reference::new(&scene, &view), Reaches::new(&frame, &view, &settings));
+        let (reference, reaches) = (Reference::new(&scene, &view, &frame), Reaches::new(&frame, &view, &settings));
         let (grid, mut sum, mut seen) = (view.pixel_grid(), Reach { open: 0.0, key: 0.0 }, 0.0);
         for sample in 0..samples {
             // Up to the left, where the key light comes from.

@@ -11,7 +11,8 @@ use super::reach::{NOBODY, Points, Questions};
 use super::shader::Shader;
 use super::tile::{Place, SIDE, Tile};
 use crate::math::{max, min};
-use crate::render::frame::{self, shade_surfaces};
+use crate::render::frame::{self, shade_outline, shade_surfaces};
+use crate::render::outline::RIM;
 use crate::render::sky::START_OFFSET;
 use crate::render::solids::Primitive;
 use crate::scene::PixelGrid;
@@ -210,7 +211,8 @@ fn gather(shader: &Shader<'_>, place: &Place<'_>, tile: &Tile, sample: usize, [r
     }
     let beyond = shader.ground_beyond(place.grid.orthographic, &samples.u, &samples.v);
     for (lane, ground) in beyond.into_iter().enumerate() {
-        samples.seen[lane] = (samples.t[lane] < f32::INFINITY) & (samples.t[lane] <= ground);
+        let t = samples.t[lane];
+        samples.seen[lane] = (t < f32::INFINITY) & (t - shader.behind(samples.index[lane]) <= ground);
     }
     samples
 }
@@ -224,12 +226,12 @@ fn surfaces(shader: &Shader<'_>, place: &Place<'_>, samples: Samples) -> (Surfac
         same &= samples.seen[lane] & (samples.index[lane] == first);
     }
     let facts = if same {
-        Facts::all(&Fact::of(shader, first))
+        Facts::all(&Fact::of(shader, first & !RIM))
     } else {
         let mut facts = Facts::new();
         for lane in 0..LANES {
             if samples.seen[lane] {
-                facts.set(lane, &Fact::of(shader, samples.index[lane]));
+                facts.set(lane, &Fact::of(shader, samples.index[lane] & !RIM));
             }
         }
         facts
@@ -283,7 +285,8 @@ fn surfaces(shader: &Shader<'_>, place: &Place<'_>, samples: Samples) -> (Surfac
             points.normal[part][lane] = n[part];
             albedo[part][lane] = if is_b { facts.colors[1][part][lane] } else { facts.colors[0][part][lane] };
         }
-        points.asks[lane] = if seen[lane] & !cut { 1.0 } else { 0.0 };
+        let is_line = samples.index[lane] & RIM != 0;
+        points.asks[lane] = if seen[lane] & !cut & !is_line { 1.0 } else { 0.0 };
         points.own[lane] = if shader.solids.see_through { NOBODY } else { samples.index[lane] };
     }
     others(shader, place, &samples, &mut points, &mut albedo);
@@ -295,7 +298,7 @@ fn surfaces(shader: &Shader<'_>, place: &Place<'_>, samples: Samples) -> (Surfac
 fn others(shader: &Shader<'_>, place: &Place<'_>, samples: &Samples, points: &mut Points, albedo: &mut [Lanes; 3]) {
     let simple = (shader.solids.spheres.len() + shader.solids.cylinders.len()) as u32;
     for (lane, &index) in samples.index.iter().enumerate() {
-        if index < simple || !samples.seen[lane] {
+        if index < simple || index & RIM != 0 || !samples.seen[lane] {
             continue;
         }
         let ray = place.grid.ray((samples.u[lane], samples.v[lane]));
@@ -326,6 +329,14 @@ fn light(shader: &Shader<'_>, parallel: bool, surfaces: &Surfaces, points: &Poin
     let (depth, normal) = (&samples.t, &points.normal);
     let told = frame::Surfaces { depth, normal, albedo, open: &open, key: &key, direction: &direction };
     let mut light = shade_surfaces(shader.frame, &told);
+    if shader.outlined.is_some() {
+        for (lane, &index) in samples.index.iter().enumerate() {
+            if index & RIM != 0 {
+                let line = shade_outline(shader.frame, samples.t[lane]);
+                light.iter_mut().zip(line.to_array()).for_each(|(part, line)| part[lane] = line);
+            }
+        }
+    }
     for part in &mut light {
         for lane in 0..LANES {
             part[lane] = if seen[lane] > 0.0 { part[lane] } else { 0.0 };

@@ -3,8 +3,11 @@
 use super::intersect::{cylinder_half, primitive_normal, triangle_weights};
 use super::lanes::{LANES, Lanes};
 use crate::render::field::GroundMap;
-use crate::render::frame::{FrameConstants, Surface, ground_t, shade_background, shade_ground, shade_surface};
+use crate::render::frame::{
+    FrameConstants, Surface, ground_t, shade_background, shade_ground, shade_outline, shade_surface,
+};
 use crate::render::image::GBuffer;
+use crate::render::outline::{Outline, RIM};
 use crate::render::sky::Reach;
 use crate::render::solids::{Primitive, Solids};
 use crate::scene::Ray;
@@ -15,12 +18,13 @@ pub(super) struct Shader<'a> {
     pub(super) frame: &'a FrameConstants,
     pub(super) solids: &'a Solids,
     pub(super) ground_map: &'a GroundMap,
+    pub(super) outlined: Option<Outline>,
     world_from_view: Affine3A,
 }
 
 impl<'a> Shader<'a> {
     pub(super) fn new(frame: &'a FrameConstants, solids: &'a Solids, ground_map: &'a GroundMap) -> Shader<'a> {
-        Shader { frame, solids, ground_map, world_from_view: frame.world_from_view() }
+        Shader { frame, solids, ground_map, outlined: Outline::of(frame), world_from_view: frame.world_from_view() }
     }
 
     /// Depth at which a ray meets the ground, infinity if it does not.
@@ -53,9 +57,24 @@ impl<'a> Shader<'a> {
         Surface { depth: t, normal, albedo: color.to_linear().into() }
     }
 
-    /// Whether a primitive's hit is seen: not if the ground is nearer.
-    pub(super) fn is_seen(&self, ray: &Ray, t: f32) -> bool {
-        t <= self.ground_depth(ray)
+    /// Whether a primitive's hit is seen: not if the ground is nearer. Of a line its silhouette counts: moved back, it may lie
+    /// under the ground.
+    pub(super) fn is_seen(&self, ray: &Ray, index: u32, t: f32) -> bool {
+        t - self.behind(index) <= self.ground_depth(ray)
+    }
+
+    /// How far behind its silhouette a primitive's line lies; 0 if this is no line's index.
+    #[inline(always)]
+    pub(super) fn behind(&self, index: u32) -> f32 {
+        match &self.outlined {
+            Some(outline) if index & RIM != 0 => outline.behind(self.solids, (index & !RIM) as usize),
+            _ => 0.0,
+        }
+    }
+
+    /// Colour of a line at this depth.
+    pub(super) fn outline(&self, t: f32) -> Vec4 {
+        Vec4::from((shade_outline(self.frame, t), 1.0))
     }
 
     /// Linear colour of a primitive's hit that is seen.

@@ -4,8 +4,12 @@
 //! it is left out at once. Ties in depth go to the first primitive, as in the reference.
 
 use super::binning::Candidate;
-use super::intersect::{FLAT_CAPS, cone_t, cylinder_t, flat_cylinder_t, sphere_t, torus_t, triangle_t};
+use super::intersect::{
+    FLAT_CAPS, cone_middle_t, cone_t, cylinder_middle_t, cylinder_t, flat_cylinder_middle_t, flat_cylinder_t,
+    sphere_middle_t, sphere_t, torus_middle_t, torus_t, triangle_t,
+};
 use super::lanes::{LANES, Lanes, Pass};
+use crate::render::outline::{Outline, RIM};
 use crate::render::solids::{Cone, Cylinder, Primitive, Solids, Sphere, Torus, Triangle};
 use crate::scene::{PixelGrid, Ray};
 use glam::Vec3;
@@ -15,7 +19,36 @@ pub(super) const SIDE: usize = 32;
 
 /// The depth of a primitive along the ray of plane coordinates. (A trait, not a closure: it must be inlined wherever it is used.)
 trait DepthAt {
+    /// Whether it has a line around it.
+    const OUTLINED: bool = false;
+
     fn t(&self, u: f32, v: f32) -> f32;
+
+    /// Midway through it.
+    fn middle(&self, _u: f32, _v: f32) -> f32 {
+        f32::INFINITY
+    }
+}
+
+/// A primitive with its line: itself, itself grown by the line, and how far behind the silhouette the line lies.
+struct Outlined<D> {
+    own: D,
+    grown: D,
+    behind: f32,
+}
+
+impl<D: DepthAt> DepthAt for Outlined<D> {
+    const OUTLINED: bool = true;
+
+    #[inline(always)]
+    fn t(&self, u: f32, v: f32) -> f32 {
+        self.own.t(u, v)
+    }
+
+    #[inline(always)]
+    fn middle(&self, u: f32, v: f32) -> f32 {
+        self.grown.middle(u, v) + self.behind
+    }
 }
 
 /// A primitive seen with parallel rays (`PARALLEL`) or in perspective.
@@ -39,6 +72,11 @@ impl<const PARALLEL: bool> DepthAt for Drawn<Sphere, PARALLEL> {
     fn t(&self, u: f32, v: f32) -> f32 {
         sphere_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
     }
+
+    #[inline(always)]
+    fn middle(&self, u: f32, v: f32) -> f32 {
+        sphere_middle_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
+    }
 }
 
 /// A cylinder with two flat caps: less to find out.
@@ -49,12 +87,22 @@ impl<const PARALLEL: bool> DepthAt for Drawn<Flat, PARALLEL> {
     fn t(&self, u: f32, v: f32) -> f32 {
         flat_cylinder_t(&ray::<PARALLEL>(u, v), &self.solid.0, self.near)
     }
+
+    #[inline(always)]
+    fn middle(&self, u: f32, v: f32) -> f32 {
+        flat_cylinder_middle_t(&ray::<PARALLEL>(u, v), &self.solid.0, self.near)
+    }
 }
 
 impl<const PARALLEL: bool> DepthAt for Drawn<Cylinder, PARALLEL> {
     #[inline(always)]
     fn t(&self, u: f32, v: f32) -> f32 {
         cylinder_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
+    }
+
+    #[inline(always)]
+    fn middle(&self, u: f32, v: f32) -> f32 {
+        cylinder_middle_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
     }
 }
 
@@ -63,12 +111,22 @@ impl<const PARALLEL: bool> DepthAt for Drawn<Cone, PARALLEL> {
     fn t(&self, u: f32, v: f32) -> f32 {
         cone_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
     }
+
+    #[inline(always)]
+    fn middle(&self, u: f32, v: f32) -> f32 {
+        cone_middle_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
+    }
 }
 
 impl<const PARALLEL: bool> DepthAt for Drawn<Torus, PARALLEL> {
     #[inline(always)]
     fn t(&self, u: f32, v: f32) -> f32 {
         torus_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
+    }
+
+    #[inline(always)]
+    fn middle(&self, u: f32, v: f32) -> f32 {
+        torus_middle_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
     }
 }
 
@@ -91,6 +149,8 @@ pub(super) struct Place<'a> {
     /// Blocks in x and y that are in the picture.
     pub(super) blocks: [usize; 2],
     pub(super) near: f32,
+    /// Lines around things.
+    pub(super) outline: Option<&'a Outline>,
 }
 
 impl Place<'_> {
@@ -111,6 +171,7 @@ impl Place<'_> {
 /// Depth and primitive of what is nearest in each sample.
 pub(super) struct Tile {
     pub(super) t: [[Lanes; SIDE]; SIDE],
+    /// Marked with [`RIM`] where it is the primitive's line.
     pub(super) index: [[[u32; LANES]; SIDE]; SIDE],
     /// The farthest depth of each block; infinity while a sample of it is empty.
     farthest: [[f32; SIDE]; SIDE],
@@ -170,24 +231,58 @@ impl Tile {
         let near = place.near;
         match solids.primitive(candidate.index as usize) {
             Primitive::Sphere(i) => {
-                self.draw(place, candidate, mask, &Drawn::<_, PARALLEL> { solid: solids.spheres[i], near });
+                let of = |solid| Drawn::<_, PARALLEL> { solid, near };
+                let solid = solids.spheres[i];
+                self.draw_lined((place, solids), candidate, mask, |outline| {
+                    of(outline.map_or(solid, |o| o.sphere(&solid)))
+                });
             }
             Primitive::Cylinder(i) => {
                 let solid = solids.cylinders[i];
+                let grown = |outline: Option<&Outline>| outline.map_or(solid, |outline| outline.cylinder(&solid));
                 if solid.caps == FLAT_CAPS {
-                    self.draw(place, candidate, mask, &Drawn::<_, PARALLEL> { solid: Flat(solid), near });
+                    let of = |outline: Option<&Outline>| Drawn::<_, PARALLEL> { solid: Flat(grown(outline)), near };
+                    self.draw_lined((place, solids), candidate, mask, of);
                 } else {
-                    self.draw(place, candidate, mask, &Drawn::<_, PARALLEL> { solid, near });
+                    let of = |outline: Option<&Outline>| Drawn::<_, PARALLEL> { solid: grown(outline), near };
+                    self.draw_lined((place, solids), candidate, mask, of);
                 }
             }
             Primitive::Cone(i) => {
-                self.draw(place, candidate, mask, &Drawn::<_, PARALLEL> { solid: solids.cones[i], near });
+                let of = |solid| Drawn::<_, PARALLEL> { solid, near };
+                let solid = solids.cones[i];
+                self.draw_lined((place, solids), candidate, mask, |outline| {
+                    of(outline.map_or(solid, |o| o.cone(&solid)))
+                });
             }
             Primitive::Torus(i) => {
-                self.draw(place, candidate, mask, &Drawn::<_, PARALLEL> { solid: solids.tori[i], near });
+                let of = |solid| Drawn::<_, PARALLEL> { solid, near };
+                let solid = solids.tori[i];
+                self.draw_lined((place, solids), candidate, mask, |outline| {
+                    of(outline.map_or(solid, |o| o.torus(&solid)))
+                });
             }
             Primitive::Triangle(i) => {
                 self.draw(place, candidate, mask, &Drawn::<_, PARALLEL> { solid: solids.triangles[i], near });
+            }
+        }
+    }
+
+    /// Draws a primitive, with its line where there are lines; `of` makes it, grown by the line if it is given one.
+    #[inline(always)]
+    fn draw_lined<D: DepthAt>(
+        &mut self,
+        (place, solids): (&Place<'_>, &Solids),
+        candidate: &Candidate,
+        mask: &[bool; LANES],
+        of: impl Fn(Option<&Outline>) -> D,
+    ) {
+        match place.outline {
+            None => self.draw(place, candidate, mask, &of(None)),
+            Some(outline) => {
+                let behind = outline.behind(solids, candidate.index as usize);
+                let lined = Outlined { own: of(None), grown: of(Some(outline)), behind };
+                self.draw(place, candidate, mask, &lined);
             }
         }
     }
@@ -219,27 +314,36 @@ impl Tile {
     }
 
     #[inline(always)]
-    fn draw_block(
+    fn draw_block<D: DepthAt>(
         &mut self,
         [row, column]: [usize; 2],
         index: u32,
         mask: &[bool; LANES],
         [u, v]: [&Lanes; 2],
-        drawn: &impl DepthAt,
+        drawn: &D,
     ) {
         let mut new = [0.0f32; LANES];
+        let mut what = [index; LANES];
         for lane in 0..LANES {
             let t = drawn.t(u[lane], v[lane]);
             new[lane] = if mask[lane] { t } else { f32::INFINITY };
+        }
+        if D::OUTLINED {
+            for lane in 0..LANES {
+                let t = drawn.middle(u[lane], v[lane]);
+                let beside = (new[lane] == f32::INFINITY) & mask[lane];
+                new[lane] = if beside { t } else { new[lane] };
+                what[lane] = if beside { index | RIM } else { index };
+            }
         }
         let t = &mut self.t[row][column];
         let seen = &mut self.index[row][column];
         let mut any = 0u32;
         for lane in 0..LANES {
             // An empty sample has index 0: nothing ties with it.
-            let closer = (new[lane] < t[lane]) | ((new[lane] == t[lane]) & (index < seen[lane]));
+            let closer = (new[lane] < t[lane]) | ((new[lane] == t[lane]) & (what[lane] < seen[lane]));
             t[lane] = if closer { new[lane] } else { t[lane] };
-            seen[lane] = if closer { index } else { seen[lane] };
+            seen[lane] = if closer { what[lane] } else { seen[lane] };
             any |= u32::from(closer);
         }
         if any != 0 {

@@ -15,6 +15,7 @@ use super::tile::{Place, SIDE, Tile};
 use crate::color::Srgb8;
 use crate::render::field::GroundMap;
 use crate::render::frame::{FrameConstants, resolve, shade_background};
+use crate::render::lens::Lens;
 use crate::render::solids::Solids;
 use crate::render::{GBuffer, Image, Settings, View};
 use crate::scene::{PixelGrid, Region, Scene};
@@ -45,7 +46,7 @@ impl Bench {
 impl<'a> Picture<'a> {
     fn new(shader: Shader<'a>, view: &View, tile: u32) -> Picture<'a> {
         Picture {
-            bins: Bins::new(shader.solids, view, tile),
+            bins: Bins::new(shader.solids, shader.outlined.as_ref(), view, tile),
             shader,
             grid: view.pixel_grid(),
             region: view.region(),
@@ -53,7 +54,7 @@ impl<'a> Picture<'a> {
         }
     }
 
-    fn place<'p>(&self, tile: usize, pass: &'p Pass) -> Place<'p> {
+    fn place<'p>(&'p self, tile: usize, pass: &'p Pass) -> Place<'p> {
         let tile = u32::try_from(tile).unwrap_or(u32::MAX);
         let in_region = [tile % self.bins.tiles[0] * self.bins.tile, tile / self.bins.tiles[0] * self.bins.tile];
         let blocks = |at: u32, end: u32| ((end - at).min(self.bins.tile).div_ceil(pass.side)) as usize;
@@ -64,6 +65,7 @@ impl<'a> Picture<'a> {
             in_region,
             blocks: [blocks(in_region[0], self.region.width), blocks(in_region[1], self.region.height)],
             near: self.near,
+            outline: self.shader.outlined.as_ref(),
         }
     }
 }
@@ -105,6 +107,45 @@ impl Picture<'_> {
             let place = self.place(tile, pass);
             widest(Samples { picture: self, bench, place, lit: Some((questions, sums)) });
         }
+    }
+
+    /// Adds samples of all tiles, unless `stop` becomes true.
+    fn add_to_all(&self, asked: (&[Pass], &Questions<'_>), sums: &mut [TileSums], stop: &AtomicBool) {
+        sums.par_iter_mut().enumerate().with_max_len(4).for_each_init(Bench::new, |bench, (tile, sums)| {
+            if !stop.load(Ordering::Relaxed) {
+                self.add(bench, tile, asked, sums);
+            }
+        });
+    }
+
+    /// The picture of what `pixels` makes of the tiles.
+    fn put_together(
+        &self,
+        mut sums: Vec<TileSums>,
+        stop: &AtomicBool,
+        pixels: impl Fn(&mut Bench, usize, TileSums) -> Vec<Srgb8> + Sync,
+    ) -> Image {
+        let Region { width, height, .. } = self.region;
+        let (side, across, row_bytes) = (self.bins.tile as usize, self.bins.tiles[0] as usize, width as usize * 4);
+        let mut rgba = vec![0u8; row_bytes * height as usize];
+        let bands = rgba.par_chunks_mut(row_bytes * side).zip(sums.par_chunks_mut(across));
+        bands.enumerate().for_each(|(tile_row, (band, sums))| {
+            // Tiles of a band differ much in cost: they are shared out in small groups.
+            let tiles: Vec<_> = (sums.par_iter_mut().enumerate().with_max_len(4))
+                .map_init(Bench::new, |bench, (column, sums)| match stop.load(Ordering::Relaxed) {
+                    true => Vec::new(),
+                    false => pixels(bench, tile_row * across + column, std::mem::take(sums)),
+                })
+                .collect();
+            for (column, pixels) in tiles.iter().enumerate() {
+                let left = column * side;
+                let width = side.min(width as usize - left);
+                for (from, line) in pixels.chunks_exact(width).zip(band.chunks_mut(row_bytes)) {
+                    line[left * 4..(left + width) * 4].copy_from_slice(bytemuck::cast_slice(from));
+                }
+            }
+        });
+        Image { width, height, rgba }
     }
 
     /// The finished pixels of a tile.
@@ -153,58 +194,60 @@ pub(super) fn image(
     (ground_map, lights): (&GroundMap, &mut Lights),
     stop: &AtomicBool,
 ) -> Image {
+    if let Some(lens) = Lens::of(scene, view) {
+        return image_through(&lens, scene, view, settings, (ground_map, lights), stop);
+    }
     let frame = FrameConstants::new(scene, view, settings);
-    let region = view.region();
     let samples = settings.samples.clamp(1, 4096);
     let solids = Solids::new(scene, view.camera.view_from_world());
-    let shadows = Shadows::new(scene, view, &solids, lights.asks());
+    let shadows = Shadows::new(scene, view, &solids, lights);
     let parts = lights.parts(&shadows, samples);
     let side = Pass::all(parts[0].clone(), samples).first().map_or(1, |pass| pass.side);
     let picture = Picture::new(Shader::new(&frame, &solids, ground_map), view, side * SIDE as u32);
-    let across = picture.bins.tiles[0] as usize;
-    let mut sums = vec![TileSums::new(); across * picture.bins.tiles[1] as usize];
+    let mut sums = vec![TileSums::new(); (picture.bins.tiles[0] * picture.bins.tiles[1]) as usize];
     let (last, before) = parts.split_last().unwrap_or((&(0..0), &[]));
     for part in before {
         let questions = shadows.look(lights, part);
-        let passes = Pass::all(part.clone(), samples);
-        sums.par_iter_mut().enumerate().with_max_len(4).for_each_init(Bench::new, |bench, (tile, sums)| {
-            if !stop.load(Ordering::Relaxed) {
-                picture.add(bench, tile, (&passes, &questions), sums);
-            }
-        });
+        picture.add_to_all((&Pass::all(part.clone(), samples), &questions), &mut sums, stop);
     }
     let questions = shadows.look(lights, last);
     let passes = Pass::all(last.clone(), samples);
-    let (side, row_bytes) = (picture.bins.tile as usize, region.width as usize * 4);
-    let mut rgba = vec![0u8; row_bytes * region.height as usize];
-    let bands = rgba.par_chunks_mut(row_bytes * side).zip(sums.par_chunks_mut(across));
-    bands.enumerate().for_each(|(tile_row, (band, sums))| {
-        // Tiles of a band differ much in cost: they are shared out in small groups.
-        let tiles: Vec<_> = (sums.par_iter_mut().enumerate().with_max_len(4))
-            .map_init(Bench::new, |bench, (column, sums)| {
-                if stop.load(Ordering::Relaxed) {
-                    return Vec::new();
-                }
-                let (tile, mut sums) = (tile_row * across + column, std::mem::take(sums));
-                picture.add(bench, tile, (&passes, &questions), &mut sums);
-                picture.finish(tile, sums, samples)
-            })
-            .collect();
-        for (column, pixels) in tiles.iter().enumerate() {
-            let left = column * side;
-            let width = side.min(region.width as usize - left);
-            for (from, line) in pixels.chunks_exact(width).zip(band.chunks_mut(row_bytes)) {
-                line[left * 4..(left + width) * 4].copy_from_slice(bytemuck::cast_slice(from));
-            }
-        }
-    });
-    Image { width: region.width, height: region.height, rgba }
+    picture.put_together(sums, stop, |bench, tile, mut sums| {
+        picture.add(bench, tile, (&passes, &questions), &mut sums);
+        picture.finish(tile, sums, samples)
+    })
+}
+
+/// The finished picture through a lens: each sample with a camera of its own, then all of them together.
+fn image_through(
+    lens: &Lens,
+    scene: &Scene,
+    view: &View,
+    settings: &Settings,
+    (ground_map, lights): (&GroundMap, &mut Lights),
+    stop: &AtomicBool,
+) -> Image {
+    let samples = settings.samples.clamp(1, 4096);
+    let side = 4 * SIDE as u32;
+    let (frame, none) = (FrameConstants::new(scene, view, settings), Solids::default());
+    let picture = Picture::new(Shader::new(&frame, &none, ground_map), view, side);
+    let mut sums = vec![TileSums::new(); (picture.bins.tiles[0] * picture.bins.tiles[1]) as usize];
+    for sample in 0..samples {
+        let view = lens.view(view, sample, samples);
+        let frame = FrameConstants::new(scene, &view, settings);
+        let solids = Solids::new(scene, view.camera.view_from_world());
+        let shadows = Shadows::new(scene, &view, &solids, lights);
+        let questions = shadows.look(lights, &(sample..sample + 1));
+        let seen = Picture::new(Shader::new(&frame, &solids, ground_map), &view, side);
+        seen.add_to_all((&[Pass::of_one(sample, samples)], &questions), &mut sums, stop);
+    }
+    picture.put_together(sums, stop, |_, tile, sums| picture.finish(tile, sums, samples))
 }
 
 /// What is seen at the pixel centres.
 #[must_use]
 pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
-    let frame = FrameConstants::new(scene, view, &Settings::default());
+    let frame = FrameConstants::new(scene, view, &Settings::default()).without_outlines();
     let region = view.region();
     let none = GroundMap::none();
     let solids = Solids::new(scene, view.camera.view_from_world());

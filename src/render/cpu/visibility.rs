@@ -37,7 +37,7 @@ pub(super) fn sky_visibility(scene: &Scene, view: &View, directions: &[Vec3]) ->
     let mut open = vec![1.0; seen.id.len()];
     let mut blocks: Vec<Block> = covered.par_chunks(LANES).map(|pixels| block_of(view, &seen, pixels)).collect();
     let solids = Solids::new(scene, view.camera.view_from_world());
-    let shadows = Shadows::new(scene, view, &solids, true);
+    let shadows = Shadows::new(scene, view, &solids, &mut Lights::of_sky(directions));
     for part in directions.chunks(DIRECTIONS_AT_A_TIME) {
         let mut lights = Lights::of_sky(part);
         let questions = shadows.look(&mut lights, &(0..1));
@@ -81,13 +81,13 @@ impl Block {
         for direction in directions {
             let d = view_from_world.transform_vector3(*direction);
             let [x, y, z] = &self.points.normal;
-            for lane in 0..LANES {
-                all[lane] += max(x[lane] * d.x + y[lane] * d.y + z[lane] * d.z, 0.0);
+            for (lane, all) in all.iter_mut().enumerate() {
+                *all += max(x[lane] * d.x + y[lane] * d.y + z[lane] * d.z, 0.0);
             }
         }
-        for lane in 0..LANES {
-            self.weights[0][lane] += self.points.told[0][lane] * all[lane];
-            self.weights[1][lane] += all[lane];
+        for (lane, all) in all.into_iter().enumerate() {
+            self.weights[0][lane] += self.points.told[0][lane] * all;
+            self.weights[1][lane] += all;
         }
     }
 }

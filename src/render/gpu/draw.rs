@@ -47,13 +47,21 @@ impl Draw<'_> {
         self.passes.shade.record(encoder, &self.passes.frame, added, sky, targets, region);
     }
 
-    /// Adds samples `first..end` of `total` to the sums.
-    pub(super) fn samples(&self, targets: &Targets, region: Region, [first, end]: [u32; 2], total: u32) -> Result<()> {
+    /// Adds samples `first..end` of `total` to the sums. `aim` is called before each is drawn: it may move the camera.
+    pub(super) fn samples(
+        &self,
+        targets: &Targets,
+        region: Region,
+        [first, end]: [u32; 2],
+        total: u32,
+        aim: impl Fn(u32),
+    ) -> Result<()> {
         let mut under_way = VecDeque::new();
         // Tubes of one sample at a time are large.
         let in_flight = if self.asks && self.sky.is_split() { 1 } else { IN_FLIGHT };
         for done in first..end {
             let sky = self.sky.group(self.gpu, self.passes, self.asks, done);
+            aim(done);
             self.passes.frame.set_sample(self.gpu, region, [done, total]);
             under_way.push_back(self.gpu.submit("sample", |encoder| {
                 self.geometry(encoder, targets, region);

@@ -30,6 +30,7 @@ pub use device::Work;
 pub use window::{Accumulation, WindowSurface};
 
 use super::frame::FrameConstants;
+use super::lens::Lens;
 use super::sky::directions;
 use super::{GBuffer, Image, Renderer, Settings, SkyVisibility, View, overlay};
 use crate::error::{Error, Result};
@@ -131,8 +132,9 @@ impl GpuRenderer {
     }
 
     /// Writes everything that depends on scene, camera and settings, but not on tile and sample, unless it is there.
-    fn begin(&mut self, scene: &Scene, view: &View, settings: &Settings) -> Result<FrameConstants> {
+    fn begin(&mut self, scene: &Scene, view: &View, settings: &Settings, outlines: bool) -> Result<FrameConstants> {
         let frame = self.constants(scene, view, settings);
+        let frame = if outlines { frame } else { frame.without_outlines() };
         let wanted = (frame, view.camera.view_from_world());
         if self.written != Some(wanted) {
             self.gpu.guard("writing the frame", || {
@@ -151,7 +153,7 @@ impl GpuRenderer {
     /// asked, and kept for the picture at rest.
     fn begin_lit(&mut self, view: &View, settings: &Settings) -> Result<FrameConstants> {
         let scene = self.scene();
-        let frame = self.begin(&scene, view, settings)?;
+        let frame = self.begin(&scene, view, settings, true)?;
         if asks(settings) {
             let casters = self.ground.casters(&self.gpu, &self.passes, &scene)?;
             let place = (scene.bounds().center(), frame.key_in_world());
@@ -159,6 +161,30 @@ impl GpuRenderer {
         }
         self.ground.prepare(&self.gpu, &self.passes, &scene, &frame)?;
         Ok(frame)
+    }
+
+    /// Moves the camera to where sample `sample` of `samples` looks from, if the picture has a depth of field.
+    fn aim(&self, (view, settings): (&View, &Settings), sample: u32, samples: u32) {
+        let Some(scene) = &self.scene else { return };
+        if let Some(lens) = Lens::of(scene, view) {
+            self.set_view(scene, &lens.view(view, sample, samples), settings);
+        }
+    }
+
+    /// Moves it back to the middle of the lens.
+    fn aim_back(&self, (view, settings): (&View, &Settings)) {
+        let Some(scene) = &self.scene else { return };
+        if Lens::of(scene, view).is_some() {
+            self.set_view(scene, view, settings);
+        }
+    }
+
+    /// Writes what depends on the camera.
+    fn set_view(&self, scene: &Scene, view: &View, settings: &Settings) {
+        self.passes.frame.set(&self.gpu, &self.constants(scene, view, settings));
+        if let Some(instances) = &self.instances {
+            instances.place(&self.gpu, scene, view.camera.view_from_world());
+        }
     }
 
     /// Writes the scene's text over a picture; labels need to ask what is seen.
@@ -238,7 +264,9 @@ impl Renderer for GpuRenderer {
             let picture_view = view_of(&picture);
             let pipeline = self.passes.resolve.image();
             for &tile in &tiles {
-                draw.samples(&targets, tile, [0, samples], samples)?;
+                let aim = |sample| self.aim((view, settings), sample, samples);
+                draw.samples(&targets, tile, [0, samples], samples, aim)?;
+                self.aim_back((view, settings));
                 let inputs = [&targets.sum_views[(samples % 2) as usize], self.ground.light(&frame)];
                 draw.resolve(pipeline, &inputs, &picture_view, tile, samples);
                 draw.read_back(&picture, 4, tile, |y, row| put(&mut rgba, 4, region, tile, y, row))?;
@@ -254,7 +282,7 @@ impl Renderer for GpuRenderer {
     }
 
     fn gbuffer(&mut self, view: &View) -> Result<GBuffer> {
-        let frame = self.begin(&self.scene(), view, &Settings::default())?;
+        let frame = self.begin(&self.scene(), view, &Settings::default(), false)?;
         let region = view.region();
         let (tiles, targets) = self.tiles(region)?;
         let mut texels: Vec<u8> = zeroed(region, 16)?;
@@ -272,7 +300,7 @@ impl Renderer for GpuRenderer {
 
     fn sky_visibility(&mut self, view: &View, count: u32) -> Result<SkyVisibility> {
         let scene = self.scene();
-        self.begin(&scene, view, &Settings::default())?;
+        self.begin(&scene, view, &Settings::default(), false)?;
         let casters = self.ground.casters(&self.gpu, &self.passes, &scene)?;
         self.sky.hold(casters, scene.bounds().center());
         let region = view.region();

@@ -28,6 +28,7 @@ pub const FILES: &[(&str, &str)] = embed![
     "intersect.wgsl",
     "normal.wgsl",
     "opacity.wgsl",
+    "outline.wgsl",
     "resolve.wgsl",
     "shade.wgsl",
     "shade_pass.wgsl",

@@ -142,7 +142,13 @@ impl GpuRenderer {
         };
         let end = done.saturating_add(add.max(u32::from(done == 0)));
         let draw = self.draw(asks(settings));
-        self.gpu.guard("drawing", || draw.samples(&targets, region, [done, end], settings.samples.max(end)))?;
+        let total = settings.samples.max(end);
+        self.gpu.guard("drawing", || {
+            let aim = |sample| self.aim((&view, settings), sample, total);
+            draw.samples(&targets, region, [done, end], total, aim)?;
+            self.aim_back((&view, settings));
+            Ok(())
+        })?;
         *sum = Accumulation { targets: Some((targets, size)), text: Some(text), done: end, shown: Some((view, frame)) };
         Ok(())
     }

@@ -9,7 +9,7 @@ use glam::Vec3;
 /// Entry and exit of the infinite nappe; an empty interval for a miss. `slope` is the radius' change per ångström of y.
 /// A ray along which neither the way across nor the radius changes by 1e-6 of its length is inside for ever or never.
 #[inline(always)]
-fn nappe_interval(q: Vec3, e: Vec3, middle: f32, slope: f32) -> (f32, f32) {
+pub(super) fn nappe_interval(q: Vec3, e: Vec3, middle: f32, slope: f32) -> (f32, f32) {
     // Radius at the local origin, and how it changes along the ray.
     let rho = middle + slope * q.y;
     let sigma = slope * e.y;

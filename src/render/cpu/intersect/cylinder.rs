@@ -7,7 +7,7 @@ use glam::Vec3;
 
 /// The ray in the cylinder's space, its origin moved to the point nearest the cylinder's centre.
 #[inline(always)]
-fn cylinder_ray(ray: &Ray, cylinder: &Cylinder) -> (Vec3, Vec3, f32) {
+pub(super) fn cylinder_ray(ray: &Ray, cylinder: &Cylinder) -> (Vec3, Vec3, f32) {
     local_ray(ray, cylinder.center, &cylinder.cylinder_from_space)
 }
 
@@ -76,7 +76,7 @@ pub const FLAT_CAPS: u32 = 1 | 1 << 2;
 
 /// Entry and exit of a cylinder with its half balls, and those of its slab: where they are equal the ray passes a cap's plane.
 #[inline(always)]
-fn capped_interval(q: Vec3, e: Vec3, cylinder: &Cylinder) -> ((f32, f32), (f32, f32)) {
+pub(super) fn capped_interval(q: Vec3, e: Vec3, cylinder: &Cylinder) -> ((f32, f32), (f32, f32)) {
     let h = cylinder.half_length;
     let slab = slab_interval(q, e, h);
     let (mut entry, mut exit) = body_interval(side_interval(q, e, cylinder.radius), slab);

@@ -18,7 +18,7 @@ const MOST_STEPS: u32 = 96;
 
 /// Distance from the ring's circle, and its gradient.
 #[inline]
-fn ring_distance(p: Vec3, ring_radius: f32) -> (f32, Vec3) {
+pub(super) fn ring_distance(p: Vec3, ring_radius: f32) -> (f32, Vec3) {
     let across = Vec2::new(p.x, p.z).length();
     let beside = across - ring_radius;
     let distance = Vec2::new(beside, p.y).length();
@@ -29,7 +29,7 @@ fn ring_distance(p: Vec3, ring_radius: f32) -> (f32, Vec3) {
 }
 
 /// `t` of the first hit at `t ≥ near` and the same from the local origin `q` on; infinity for a miss.
-fn torus_hit(q: Vec3, e: Vec3, torus: &Torus, t0: f32, near: f32) -> (f32, f32) {
+pub(super) fn torus_hit(q: Vec3, e: Vec3, torus: &Torus, t0: f32, near: f32) -> (f32, f32) {
     let (ring, tube) = (torus.ring_radius, torus.tube_radius);
     // Three roundings of the coordinates of a point on the surface.
     let slack = 3.0 * f32::EPSILON * (ring + tube);
