@@ -42,6 +42,7 @@
 //! | [`scene`] | blocks of primitives × placements, styles, colours, arrows, overlays, camera, light, ground; knows no renderer |
 //! | [`render`] | the definition of the picture ([`render::frame`]), the CPU renderer, the wgpu renderer, and the choice between them |
 //! | [`export`] | picture files, structure files, atomic writes |
+//! | [`session`] | all that makes a picture, as JSON and as a command line |
 //! | [`cli`], `app` | the commands, the window; no chemistry |
 //!
 //! # Spaces and units
@@ -116,6 +117,7 @@ pub mod import;
 pub mod math;
 pub mod render;
 pub mod scene;
+pub mod session;
 pub mod structure;
 
 pub use error::{Error, Result};

@@ -15,6 +15,7 @@ pub mod hierarchy;
 pub mod image;
 pub mod opacity;
 pub mod overlay;
+pub mod pick;
 pub mod select;
 pub mod settings;
 pub mod sky;
@@ -26,6 +27,7 @@ mod test_solids;
 pub mod tubes;
 
 pub use image::{GBuffer, Image};
+pub use pick::Picker;
 pub use select::{Choice, Selection, select};
 pub use settings::{Quality, Settings, View};
 

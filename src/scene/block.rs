@@ -8,8 +8,10 @@ use super::shapes::ConeInstance;
 use super::sticks::{self, StickContext};
 use super::wedges::{self, Wedge};
 use super::{AltlocChoice, Block, Item, SceneOptions, Style};
+use crate::bonds;
 use crate::color::Srgb8;
 use crate::crystal::Stub;
+use crate::element::Element;
 use crate::structure::{Bond, BondKind, BondOrder, ByAtom, Structure, atom_flags};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -19,7 +21,7 @@ pub(super) fn build(item: &Item<'_>, options: &SceneOptions) -> Block {
     let structure = item.structure;
     let positions = structure.positions().relative();
     let atom_count = structure.atom_count();
-    let shown = shown_atoms(structure, options.altloc);
+    let shown = shown_atoms(structure, options);
     let is_shown = |atom: u32| shown.as_ref().is_none_or(|shown| shown[atom as usize]);
     // Where nothing repeats in the picture, a bond to an image has no end.
     let is_drawn = |bond: &Bond| !bond.is_periodic() && is_shown(bond.a) && is_shown(bond.b);
@@ -276,7 +278,23 @@ impl Artist<'_> {
 }
 
 /// Which atoms are drawn; `None` for all of them.
-fn shown_atoms(structure: &Structure, choice: AltlocChoice) -> Option<Vec<bool>> {
+fn shown_atoms(structure: &Structure, options: &SceneOptions) -> Option<Vec<bool>> {
+    let mut shown = chosen_altlocs(structure, options.altloc);
+    if !options.water {
+        let all = || vec![true; structure.atom_count()];
+        let waters = bonds::waters(structure);
+        shown.get_or_insert_with(all).iter_mut().zip(waters).for_each(|(shown, water)| *shown &= !water);
+    }
+    if !options.hydrogens {
+        let all = || vec![true; structure.atom_count()];
+        let elements = structure.elements();
+        shown.get_or_insert_with(all).iter_mut().zip(elements).for_each(|(shown, &e)| *shown &= e != Element::H);
+    }
+    shown
+}
+
+/// Whether each atom is of the chosen alternate location; `None` if all are.
+fn chosen_altlocs(structure: &Structure, choice: AltlocChoice) -> Option<Vec<bool>> {
     if choice == AltlocChoice::All || !structure.has_altlocs() {
         return None;
     }
@@ -313,7 +331,6 @@ fn shown_atoms(structure: &Structure, choice: AltlocChoice) -> Option<Vec<bool>>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::element::Element;
     use crate::structure::{AtomRecord, BondOrder, BondSource, Diagnostics, StructureBuilder};
     use glam::DVec3;
 
