@@ -146,7 +146,9 @@ impl Action {
             Action::Aromatic(_) | Action::Haptic(_) | Action::Bonds(_) | Action::HydrogenBonds(_) => "bonds",
             Action::Cell(_) | Action::Supercell(_) | Action::CellBox(_) => "cell",
             Action::Quality(_) => "quality",
-            Action::Pick(_) | Action::PickAlso(_) | Action::PickAll | Action::PickNone | Action::PickMore => "selection",
+            Action::Pick(_) | Action::PickAlso(_) | Action::PickAll | Action::PickNone | Action::PickMore => {
+                "selection"
+            }
             Action::Measure | Action::ForgetMeasurement(_) | Action::ForgetMeasurements => "measurement",
             Action::Frame(..) | Action::Step(_) | Action::FirstFrame | Action::LastFrame => "frame",
             _ => "change",

@@ -126,7 +126,10 @@ impl Maker {
         }
         drop(kept);
         let structure = document.at_frame(frame).ok_or_else(|| {
-            Error::input(None, format!("frame {} is asked for, but there are only {}", frame + 1, document.frame_count()))
+            Error::input(
+                None,
+                format!("frame {} is asked for, but there are only {}", frame + 1, document.frame_count()),
+            )
         })?;
         let drawn = Arc::new(crystal::draw(structure, crystal)?);
         let mut kept = lock(&self.kept);

@@ -82,7 +82,8 @@ pub(super) struct Command {
 }
 
 /// The groups in the order of the help.
-pub(super) const GROUPS: [&str; 7] = ["File", "View", "Look", "Molecule", "Selection and measuring", "Frames", "Window"];
+pub(super) const GROUPS: [&str; 7] =
+    ["File", "View", "Look", "Molecule", "Selection and measuring", "Frames", "Window"];
 
 struct Table<'a> {
     group: &'static str,

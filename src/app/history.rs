@@ -25,7 +25,8 @@ impl History {
     /// Notes the state before a change.
     pub(super) fn push(&mut self, before: Work, name: &'static str, merges_as: Option<&'static str>) {
         let now = Instant::now();
-        let merges = matches!((self.last, merges_as), (Some((last, at)), Some(kind)) if last == kind && now - at < PAUSE);
+        let merges =
+            matches!((self.last, merges_as), (Some((last, at)), Some(kind)) if last == kind && now - at < PAUSE);
         self.last = merges_as.map(|kind| (kind, now));
         self.future.clear();
         if !merges || self.past.is_empty() {

@@ -102,7 +102,10 @@ mod tests {
             assert_eq!(preset.drag(Left, false, false), Drag::Orbit);
             assert_eq!(preset.drag(Middle, false, false), Drag::Pan);
         }
-        assert_eq!([Ballstick, Pymol, Chimerax].map(|p| p.drag(Right, false, false)), [Drag::Pan, Drag::Zoom, Drag::Pan]);
+        assert_eq!(
+            [Ballstick, Pymol, Chimerax].map(|p| p.drag(Right, false, false)),
+            [Drag::Pan, Drag::Zoom, Drag::Pan]
+        );
         assert_eq!(Chimerax.drag(Left, true, false), Drag::Pan);
         assert_eq!([Ballstick.click(false, false), Ballstick.click(true, false)], [Some(false), Some(true)]);
         assert_eq!([Chimerax.click(false, false), Chimerax.click(false, true)], [None, Some(false)]);

@@ -26,7 +26,7 @@ pub(super) fn target(state: &State, id: u32) -> Option<Target> {
     if own < atoms {
         return Some(Target::Atom(AtomKey { layer: *layer, atom: own }));
     }
-    ((own - atoms) as usize) .lt(&drawn.structure.bonds().len()).then_some(Target::Bond(*layer, own - atoms))
+    ((own - atoms) as usize).lt(&drawn.structure.bonds().len()).then_some(Target::Bond(*layer, own - atoms))
 }
 
 /// What is drawn of a layer.

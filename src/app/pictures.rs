@@ -66,7 +66,8 @@ pub(super) fn quick(state: &mut State) {
     // A second press before the first picture is there gets a name of its own.
     let stem = state.stem();
     if state.pictures.under_way > 0 {
-        dialog.path = free_name(Path::new(""), &format!("{stem}-{}", state.pictures.under_way + 1), "png").display().to_string();
+        dialog.path =
+            free_name(Path::new(""), &format!("{stem}-{}", state.pictures.under_way + 1), "png").display().to_string();
     }
     save(state, &dialog);
 }
@@ -78,7 +79,9 @@ pub(super) fn save(state: &mut State, dialog: &Dialog) {
         return state.complain(error.to_string());
     }
     if dialog.width.max(dialog.height) > MOST_SIDE {
-        return state.complain(format!("A picture from the window has at most {MOST_SIDE} pixels a side; ballstick render draws larger ones."));
+        return state.complain(format!(
+            "A picture from the window has at most {MOST_SIDE} pixels a side; ballstick render draws larger ones."
+        ));
     }
     let mut scene = (*state.built.scene).clone();
     if dialog.transparent {

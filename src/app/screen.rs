@@ -11,10 +11,11 @@ use super::state::State;
 use super::worker::{Frame, Job, Worker};
 use crate::error::{Error, Result};
 use crate::render::{Choice, Settings, View};
-use egui::epaint::ClippedPrimitive;
 use egui::TexturesDelta;
+use egui::epaint::ClippedPrimitive;
 use std::num::NonZeroU32;
 use std::sync::Arc;
+use std::time::Instant;
 use winit::window::Window;
 
 /// What egui wants to be seen.
@@ -32,7 +33,13 @@ pub(super) struct Interface {
 
 impl Interface {
     /// Takes what is to be seen from now on.
-    pub(super) fn set(&mut self, textures: TexturesDelta, primitives: Vec<ClippedPrimitive>, scale: f32, view: egui::Rect) {
+    pub(super) fn set(
+        &mut self,
+        textures: TexturesDelta,
+        primitives: Vec<ClippedPrimitive>,
+        scale: f32,
+        view: egui::Rect,
+    ) {
         self.textures.append(textures);
         (self.primitives, self.scale) = (primitives, scale);
         self.view = view.is_positive().then_some(view);
@@ -86,6 +93,8 @@ struct CpuScreen {
     painter: Painter,
     /// The version last posted, and whether its fine picture was.
     posted: (u64, bool),
+    /// The version whose coarse picture is on the screen.
+    coarse: u64,
     /// The picture on the screen.
     shown: Option<Frame>,
     /// The size of the window when it was last painted.
@@ -179,13 +188,16 @@ impl GpuScreen {
         if self.done.0 != state.version {
             self.done = (state.version, 0);
         }
-        // The first sample of a version is one in motion: coarse ground, no light from afar.
         let fine = state.work.quality.settings();
         let samples = fine.samples;
-        let moving = self.done.1 == 0;
-        let settings = if moving { &IN_MOTION } else { &fine };
-        let add = u32::from(self.done.1 <= samples);
-        let done = self.done.1.saturating_sub(1).min(samples - 1);
+        let is_at_rest = state.until_rest(Instant::now()).is_some_and(|rest| rest.is_zero());
+        // First one sample in motion: coarse ground, no light from afar. At rest the sum begins anew with fine ones.
+        let (settings, done, add) = match self.done.1 {
+            0 => (&IN_MOTION, 0, 1),
+            1 if !is_at_rest => (&IN_MOTION, 1, 0),
+            count if is_at_rest && count <= samples => (&fine, count - 1, 1),
+            count => (&fine, count - 1, 0),
+        };
         let place = interface.view_px(size_px);
         let over = UserInterface {
             textures: std::mem::take(&mut interface.textures),
@@ -195,8 +207,8 @@ impl GpuScreen {
         };
         self.renderer.load(Arc::clone(&state.built.scene))?;
         self.renderer.present(&mut self.surface, &state.view(), settings, done, add, over)?;
-        self.done.1 = (self.done.1 + 1).min(samples + 1);
-        Ok(self.done.1 <= samples)
+        self.done.1 += add;
+        Ok(is_at_rest && self.done.1 <= samples)
     }
 }
 
@@ -215,6 +227,7 @@ impl CpuScreen {
             worker,
             painter: Painter::default(),
             posted: (0, false),
+            coarse: 0,
             shown: None,
             size_px: [0; 2],
             last_damage: Vec::new(),
@@ -230,7 +243,6 @@ impl CpuScreen {
     /// Takes a finished picture and asks for the next one; whether there is a new one.
     fn exchange(&mut self, state: &State) -> bool {
         let view = state.view();
-        let mut fine_next = false;
         let mut has_new = false;
         if let Some(frame) = self.worker.take_frame() {
             if !frame.fine {
@@ -240,7 +252,9 @@ impl CpuScreen {
                     _ => self.coarseness,
                 };
             }
-            fine_next = frame.version == state.version && !frame.fine;
+            if !frame.fine {
+                self.coarse = frame.version;
+            }
             has_new = true;
             self.shown = Some(frame);
         }
@@ -259,7 +273,10 @@ impl CpuScreen {
             let coarse = (view.width / self.coarseness, view.height / self.coarseness);
             self.worker.post(job(IN_MOTION, false, View::new(view.camera, coarse.0, coarse.1)));
             self.posted = (state.version, false);
-        } else if fine_next && !self.posted.1 {
+        } else if !self.posted.1
+            && self.coarse == state.version
+            && state.until_rest(Instant::now()).is_some_and(|rest| rest.is_zero())
+        {
             self.worker.post(job(state.work.quality.settings(), true, view));
             self.posted = (state.version, true);
         }

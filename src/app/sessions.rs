@@ -68,7 +68,9 @@ pub(super) fn command_line(state: &State) -> String {
     let mut session = of(state);
     if session.fitted {
         // The same fitted view in a picture of the same shape, unless frames or hidden molecules have their say in the pose.
-        let is_plain = session.files.len() == 1 && session.files[0].frame == 1 && state.options.scene.orientation == Default::default();
+        let is_plain = session.files.len() == 1
+            && session.files[0].frame == 1
+            && state.options.scene.orientation == Default::default();
         if is_plain {
             session.camera = None;
         }
@@ -85,7 +87,8 @@ pub(super) fn proposed(state: &State) -> String {
 pub(super) fn save(state: &mut State, path: &Path) {
     let mut session = of(state);
     if session.files.iter().any(|file| file.path.to_string_lossy().starts_with(SAMPLE)) {
-        return state.complain("A session keeps the paths of files, and a sample has none: open the molecule from a file.");
+        return state
+            .complain("A session keeps the paths of files, and a sample has none: open the molecule from a file.");
     }
     if session.fitted {
         // The window that opens it may have another shape.

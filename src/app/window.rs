@@ -168,6 +168,9 @@ impl App {
         if self.state.playing.on && next.is_none() {
             next = Some(0.0);
         }
+        if let Some(rest) = self.state.until_rest(Instant::now()).filter(|rest| !rest.is_zero()) {
+            next = Some(next.map_or(rest.as_secs_f64(), |next| next.min(rest.as_secs_f64())));
+        }
         self.next_frame = next.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
         let title = self.state.title();
         if title != open.title {

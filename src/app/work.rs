@@ -3,7 +3,7 @@
 use crate::crystal::CrystalOptions;
 use crate::import::Document;
 use crate::render::Quality;
-use crate::scene::{Camera, Measurement, AtomPlace, SceneOptions};
+use crate::scene::{AtomPlace, Camera, Measurement, SceneOptions};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -86,7 +86,8 @@ impl Work {
             let item = shown.iter().position(|&id| id == key.layer)?;
             Some(AtomPlace { item: u32::try_from(item).ok()?, atom: key.atom })
         };
-        let measurement = |atoms: &Vec<AtomKey>| Some(Measurement { atoms: atoms.iter().map(place).collect::<Option<_>>()? });
+        let measurement =
+            |atoms: &Vec<AtomKey>| Some(Measurement { atoms: atoms.iter().map(place).collect::<Option<_>>()? });
         self.measurements.iter().filter_map(measurement).collect()
     }
 

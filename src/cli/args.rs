@@ -2,8 +2,8 @@
 
 use super::size::{Crop, PictureSize};
 use super::values::{
-    Altloc, Axis, Backdrop, Direction, MeasureArg, RecordChoice, Region, Supercell, color, counted_from_1, opacity, positive,
-    text_size,
+    Altloc, Axis, Backdrop, Direction, MeasureArg, RecordChoice, Region, Supercell, color, counted_from_1, opacity,
+    positive, text_size,
 };
 use crate::color::Srgb8;
 use crate::scene::Viewpoint;
@@ -18,6 +18,8 @@ use std::path::PathBuf;
     version,
     max_term_width = 100,
     args_conflicts_with_subcommands = true,
+    // Without a window there is nothing to show without a file.
+    arg_required_else_help = cfg!(not(feature = "window")),
     after_help = "A file that is called like a command is opened as ./render, or by `ballstick view render`.\n\
         Results go to standard output, everything else to standard error; `-` is standard input or output.\n\
         Exit status: 0 done (also with warnings), 1 some inputs failed, 2 the command line is wrong."

@@ -76,13 +76,8 @@ pub(super) fn marks(scene: &Scene, measurements: &[Measurement]) -> Marks {
         let Some(text) = measured(&points) else { continue };
         marks.block.id_count = id;
         for pair in balls.windows(2) {
-            let template = CylinderInstance {
-                radius: RADIUS,
-                id,
-                color_a: COLOR,
-                color_b: COLOR,
-                ..bytemuck::Zeroable::zeroed()
-            };
+            let template =
+                CylinderInstance { radius: RADIUS, id, color_a: COLOR, color_b: COLOR, ..bytemuck::Zeroable::zeroed() };
             dashes(pair[0].1, pair[1].1, template, |dash| marks.block.cylinders.push(dash));
         }
         let middle = |a: usize, b: usize| (balls[a].1 + balls[b].1) * 0.5;

@@ -125,7 +125,8 @@ impl Session {
     pub fn of(settings: &Settings) -> Session {
         let Settings { scene, crystal, cell_box, quality, viewpoint } = settings;
         let labels = scene.text.labels;
-        let named = [("element", labels.element), ("index", labels.index), ("name", labels.name), ("residue", labels.residue)];
+        let named =
+            [("element", labels.element), ("index", labels.index), ("name", labels.name), ("residue", labels.residue)];
         Session {
             ballstick_session: VERSION,
             files: Vec::new(),
@@ -284,7 +285,11 @@ impl Session {
         let files = u32::try_from(session.files.len()).unwrap_or(u32::MAX);
         let is_atom = |&[file, atom]: &Atom| (1..=files).contains(&file) && atom > 0;
         if !session.picked.iter().chain(session.measurements.iter().flatten()).all(is_atom) {
-            return Err(wrong("picked or measurements", "an atom of no file", "pairs of the number of a file and of an atom, from 1"));
+            return Err(wrong(
+                "picked or measurements",
+                "an atom of no file",
+                "pairs of the number of a file and of an atom, from 1",
+            ));
         }
         if !session.measurements.iter().all(|atoms| (2..=4).contains(&atoms.len())) {
             return Err(wrong("measurements", "another number of atoms", "two, three or four atoms each"));

@@ -68,7 +68,8 @@ impl Shape {
         // Triangles reach pixels whose centres they cover; one more on each side is safe.
         let bounds = PxRect::of(mesh.calc_bounds().expand(1.0 / scale), scale, size).cut(clip)?;
         let mut content = u64::from(scale.to_bits());
-        let mut mix = |word: u32| content = (content.rotate_left(5) ^ u64::from(word)).wrapping_mul(0x517c_c1b7_2722_0a95);
+        let mut mix =
+            |word: u32| content = (content.rotate_left(5) ^ u64::from(word)).wrapping_mul(0x517c_c1b7_2722_0a95);
         bytemuck::cast_slice::<_, u32>(&mesh.vertices).iter().for_each(|&word| mix(word));
         mesh.indices.iter().for_each(|&index| mix(index));
         Some(Shape { bounds, content })

@@ -60,7 +60,8 @@ impl Painter {
     pub(super) fn damage(&mut self, primitives: &[ClippedPrimitive], scale: f32, size: [usize; 2]) -> Vec<PxRect> {
         let shapes: Vec<Shape> = primitives.iter().filter_map(|primitive| Shape::of(primitive, scale, size)).collect();
         let whole = PxRect { left: 0, top: 0, right: size[0], bottom: size[1] };
-        let damage = if std::mem::take(&mut self.replaced) { vec![whole] } else { damage::between(&self.shapes, &shapes) };
+        let damage =
+            if std::mem::take(&mut self.replaced) { vec![whole] } else { damage::between(&self.shapes, &shapes) };
         self.shapes = shapes;
         damage
     }

@@ -61,8 +61,7 @@ impl Texture {
         if corners == [corners[0]; 4] {
             return corners[0];
         }
-        let weights =
-            [(1.0 - right) * (1.0 - down), right * (1.0 - down), (1.0 - right) * down, right * down];
+        let weights = [(1.0 - right) * (1.0 - down), right * (1.0 - down), (1.0 - right) * down, right * down];
         [0, 8, 16, 24].into_iter().fold(0, |color, shift| {
             let sum: f32 = corners.iter().zip(weights).map(|(c, weight)| (c >> shift & 0xFF) as f32 * weight).sum();
             color | ((sum + 0.5) as u32).min(255) << shift

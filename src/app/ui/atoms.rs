@@ -41,7 +41,8 @@ pub(super) fn show(ui: &mut Ui, state: &State, memory: &mut Memory, actions: &mu
             let Some((layer, drawn, atom)) = atom_of(state, row) else { continue };
             let key = AtomKey { layer, atom: u32::try_from(atom).unwrap_or(u32::MAX) };
             let text = format!("{}   {}", row + 1, picking::short_name(&drawn.structure, atom));
-            let button = egui::Button::selectable(memory.set.contains(&key), text).min_size(egui::vec2(ui.available_width(), ROW));
+            let button = egui::Button::selectable(memory.set.contains(&key), text)
+                .min_size(egui::vec2(ui.available_width(), ROW));
             let response = ui.add(button);
             if response.double_clicked() {
                 actions.extend(picking::ball(state, key).map(|(center, _)| Action::CenterOn(center)));

@@ -40,13 +40,7 @@ fn path_field(ui: &mut Ui, text: &mut String) -> bool {
 }
 
 /// Asks for a path; the text while it is still being asked for.
-fn path(
-    ctx: &Context,
-    title: &str,
-    verb: &str,
-    text: Option<String>,
-    then: impl FnOnce(PathBuf),
-) -> Option<String> {
+fn path(ctx: &Context, title: &str, verb: &str, text: Option<String>, then: impl FnOnce(PathBuf)) -> Option<String> {
     let mut text = text?;
     let (finished, open) = window(ctx, title, |ui| {
         let entered = row(ui, "File", |ui| path_field(ui, &mut text));

@@ -25,7 +25,8 @@ pub(super) fn show(ui: &Ui, rect: Rect, state: &State, actions: &mut Vec<Action>
                 ui.horizontal(|ui| {
                     let playing = state.playing;
                     let text = if playing.on { "Pause" } else { "Play" };
-                    if ui.add(egui::Button::new(text).min_size(Vec2::new(52.0, 24.0))).on_hover_text("Space").clicked() {
+                    if ui.add(egui::Button::new(text).min_size(Vec2::new(52.0, 24.0))).on_hover_text("Space").clicked()
+                    {
                         actions.push(Action::Play(!playing.on));
                     }
                     if ui.button("<").on_hover_text("Frame before (,)").clicked() {
@@ -43,7 +44,8 @@ pub(super) fn show(ui: &Ui, rect: Rect, state: &State, actions: &mut Vec<Action>
                     }
                     ui.label(format!("{} / {count}", layer.frame + 1));
                     let mut speed = playing.speed;
-                    let drag = egui::DragValue::new(&mut speed).range(0.5..=60.0).speed(0.2).suffix(" /s").max_decimals(1);
+                    let drag =
+                        egui::DragValue::new(&mut speed).range(0.5..=60.0).speed(0.2).suffix(" /s").max_decimals(1);
                     let response = ui.add(drag).on_hover_text("Frames a second");
                     response.widget_info(|| egui::WidgetInfo::slider(true, f64::from(speed), "Frames a second"));
                     if response.changed() {

@@ -53,6 +53,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, memory: &mut Memory) -> Rect 
     for action in actions {
         state.apply(action);
     }
+    state.dragging = std::mem::take(&mut memory.view.dragging);
     rect
 }
 

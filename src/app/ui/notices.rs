@@ -44,7 +44,11 @@ pub(super) fn show(ui: &Ui, rect: Rect, state: &mut State, actions: &mut Vec<Act
                 plate(ui, |ui| {
                     let text = RichText::new(&notice.text);
                     let color = ui.visuals().error_fg_color;
-                    ui.add(egui::Label::new(if notice.is_error { text.color(color) } else { text }).selectable(true).wrap());
+                    ui.add(
+                        egui::Label::new(if notice.is_error { text.color(color) } else { text })
+                            .selectable(true)
+                            .wrap(),
+                    );
                     if notice.is_error {
                         ui.horizontal(|ui| {
                             if ui.small_button("Copy").clicked() {

@@ -31,7 +31,8 @@ pub(super) fn show(ctx: &Context, state: &State, memory: &mut Memory, actions: &
     let area = Modal::default_area(egui::Id::unique("palette")).anchor(Align2::CENTER_TOP, [0.0, 70.0]);
     let modal = Modal::new(egui::Id::unique("palette")).area(area).show(ctx, |ui| {
         ui.set_width(460.0_f32.min(ctx.content_rect().width() - 40.0));
-        let edit = TextEdit::singleline(&mut memory.text).hint_text("What do you want to do?").desired_width(f32::INFINITY);
+        let edit =
+            TextEdit::singleline(&mut memory.text).hint_text("What do you want to do?").desired_width(f32::INFINITY);
         let response = ui.add(edit);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::TextInput, true, "Command"));
         response.request_focus();

@@ -106,10 +106,8 @@ fn facts(state: &State, layer: u32) -> String {
         1 => format!("1 {one}"),
         count => format!("{} {many}", grouped(count)),
     };
-    let mut facts = vec![
-        counted(structure.atom_count(), "atom", "atoms"),
-        counted(structure.bonds().len(), "bond", "bonds"),
-    ];
+    let mut facts =
+        vec![counted(structure.atom_count(), "atom", "atoms"), counted(structure.bonds().len(), "bond", "bonds")];
     if !structure.residues().is_empty() {
         facts.push(counted(structure.residues().len(), "residue", "residues"));
         facts.push(counted(structure.chains().len(), "chain", "chains"));
@@ -117,13 +115,13 @@ fn facts(state: &State, layer: u32) -> String {
     facts.join(", ")
 }
 
-/// A number in groups of three digits, with thin spaces.
+/// A number in groups of three digits, with spaces that do not break.
 pub(super) fn grouped(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (index, digit) in digits.chars().enumerate() {
         if index > 0 && (digits.len() - index) % 3 == 0 {
-            text.push(' ');
+            text.push('\u{a0}');
         }
         text.push(digit);
     }
@@ -156,9 +154,19 @@ fn light(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         if response.changed() {
             actions.push(Action::Background(Background::Color(Srgb8::rgb(rgb[0], rgb[1], rgb[2]))));
         }
-        switch(ui, "Transparent", transparent, |on| {
-            Action::Background(if on { Background::Transparent } else { Background::Color(scene.look.background()) })
-        }, actions);
+        switch(
+            ui,
+            "Transparent",
+            transparent,
+            |on| {
+                Action::Background(if on {
+                    Background::Transparent
+                } else {
+                    Background::Color(scene.look.background())
+                })
+            },
+            actions,
+        );
     });
     ui.horizontal(|ui| {
         switch(ui, "Ground", scene.ground, Action::Ground, actions);
@@ -231,7 +239,9 @@ fn crystal(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         let mut counts = crystal.supercell;
         for (count, axis) in counts.iter_mut().zip(["a", "b", "c"]) {
             let response = ui.add(egui::DragValue::new(count).range(1..=20).speed(0.05).prefix(format!("{axis} ")));
-            response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::SpinButton, true, format!("Cells along {axis}")));
+            response.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::accesskit::Role::SpinButton, true, format!("Cells along {axis}"))
+            });
         }
         if counts != crystal.supercell {
             actions.push(Action::Supercell(counts));
@@ -287,7 +297,9 @@ fn picked(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         ui.horizontal(|ui| {
             let value = picking::measure(state, atoms).unwrap_or_else(|| "–".to_owned());
             let names: Vec<String> = (atoms.iter())
-                .filter_map(|key| Some(picking::short_name(&picking::drawn(state, key.layer)?.structure, key.atom as usize)))
+                .filter_map(|key| {
+                    Some(picking::short_name(&picking::drawn(state, key.layer)?.structure, key.atom as usize))
+                })
                 .collect();
             ui.label(RichText::new(&value).strong()).on_hover_text(names.join(" – "));
             if ui.small_button("×").on_hover_text("Forget it").labelled(&format!("Forget {value}")).clicked() {
@@ -303,7 +315,13 @@ fn window(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     choice(ui, "Theme", &themes, state.preferences.theme, Action::Theme, actions);
     let presets = Preset::ALL.map(|preset| (preset, preset.name().to_owned()));
     choice(ui, "Mouse as in", &presets, state.preferences.mouse, Action::Mouse, actions);
-    button(ui, "Copy command line", "What draws this picture without a window (Ctrl+Shift+C)", Action::CopyCommand, actions);
+    button(
+        ui,
+        "Copy command line",
+        "What draws this picture without a window (Ctrl+Shift+C)",
+        Action::CopyCommand,
+        actions,
+    );
 }
 
 /// Names for what shows none.

@@ -41,12 +41,9 @@ pub(super) fn follow(ctx: &Context, theme: preferences::Theme) {
 }
 
 fn adjust(style: &mut egui::Style, is_dark: bool) {
-    for (text, size) in [
-        (TextStyle::Small, 11.0),
-        (TextStyle::Body, 13.0),
-        (TextStyle::Button, 13.0),
-        (TextStyle::Heading, 19.0),
-    ] {
+    for (text, size) in
+        [(TextStyle::Small, 11.0), (TextStyle::Body, 13.0), (TextStyle::Button, 13.0), (TextStyle::Heading, 19.0)]
+    {
         style.text_styles.insert(text, FontId::proportional(size));
     }
     style.text_styles.insert(TextStyle::Monospace, FontId::monospace(12.0));
@@ -79,13 +76,24 @@ fn adjust(style: &mut egui::Style, is_dark: bool) {
     visuals.slider_trailing_fill = true;
     let widgets = &mut visuals.widgets;
     let text = grey(34, 222);
-    for widget in [&mut widgets.noninteractive, &mut widgets.inactive, &mut widgets.hovered, &mut widgets.active, &mut widgets.open] {
+    for widget in [
+        &mut widgets.noninteractive,
+        &mut widgets.inactive,
+        &mut widgets.hovered,
+        &mut widgets.active,
+        &mut widgets.open,
+    ] {
         widget.corner_radius = CornerRadius::same(5);
         widget.fg_stroke.color = text;
         widget.expansion = 0.0;
     }
     widgets.noninteractive.bg_stroke = Stroke::new(1.0, grey(222, 52));
-    for (widget, light, dark) in [(&mut widgets.inactive, 228, 54), (&mut widgets.hovered, 218, 66), (&mut widgets.active, 206, 80), (&mut widgets.open, 222, 60)] {
+    for (widget, light, dark) in [
+        (&mut widgets.inactive, 228, 54),
+        (&mut widgets.hovered, 218, 66),
+        (&mut widgets.active, 206, 80),
+        (&mut widgets.open, 222, 60),
+    ] {
         widget.weak_bg_fill = grey(light, dark);
         widget.bg_fill = grey(light - 10, dark + 10);
         widget.bg_stroke = Stroke::NONE;

@@ -19,6 +19,8 @@ pub(super) struct Memory {
     /// Where the pointer was last, since when it is there, and what is under it.
     pointer: Option<(Pos2, Instant, Option<Target>)>,
     version: u64,
+    /// Whether a drag moves the picture.
+    pub(super) dragging: bool,
 }
 
 /// Points that two-finger scrolling sends for what a notch of a wheel is.
@@ -35,6 +37,7 @@ pub(super) fn show(ui: &mut Ui, state: &State, memory: &mut Memory, actions: &mu
     let scale = ui.ctx().pixels_per_point();
     let view = View { rect, scale, state };
     drag(ui, &view, &response, actions);
+    memory.dragging = response.dragged();
     wheel(ui, &view, &response, actions);
     let under = view.under_pointer(&response, memory);
     click(ui, &view, &response, under, actions);
@@ -86,7 +89,8 @@ impl View<'_> {
                 let hit = self.state.built.picker.pick(&self.state.view(), self.px(at));
                 let target = hit.and_then(|hit| picking::target(self.state, hit.id));
                 // Small moves over the same thing do not begin the wait for the tip anew.
-                let since = old.filter(|(_, _, before)| *before == target).map_or_else(Instant::now, |(_, since, _)| since);
+                let since =
+                    old.filter(|(_, _, before)| *before == target).map_or_else(Instant::now, |(_, since, _)| since);
                 memory.pointer = Some((at, since, target));
                 memory.version = self.state.version;
                 target
@@ -149,7 +153,9 @@ fn wheel(ui: &Ui, view: &View<'_>, response: &Response, actions: &mut Vec<Action
 
 fn click(ui: &Ui, view: &View<'_>, response: &Response, under: Option<Target>, actions: &mut Vec<Action>) {
     if response.double_clicked() {
-        let hit = response.interact_pointer_pos().and_then(|at| view.state.built.picker.pick(&view.state.view(), view.px(at)));
+        let hit = response
+            .interact_pointer_pos()
+            .and_then(|at| view.state.built.picker.pick(&view.state.view(), view.px(at)));
         // The middle of a ball, not the point of its surface.
         let point = match (under, hit) {
             (Some(Target::Atom(key)), _) => picking::ball(view.state, key).map(|(center, _)| center),
@@ -165,7 +171,8 @@ fn click(ui: &Ui, view: &View<'_>, response: &Response, under: Option<Target>, a
             Some(Target::Atom(key)) if adds => actions.push(Action::PickAlso(key)),
             Some(Target::Atom(key)) => actions.push(Action::Pick(Some(key))),
             Some(Target::Bond(layer, bond)) => {
-                let both = picking::drawn(view.state, layer).and_then(|drawn| drawn.structure.bonds().get(bond as usize));
+                let both =
+                    picking::drawn(view.state, layer).and_then(|drawn| drawn.structure.bonds().get(bond as usize));
                 if let Some(bond) = both {
                     actions.push(Action::Pick(Some(AtomKey { layer, atom: bond.a })));
                     actions.push(Action::PickAlso(AtomKey { layer, atom: bond.b }));

@@ -17,14 +17,20 @@ mod draw;
 mod gbuffer;
 mod ground;
 mod instances;
+#[cfg(feature = "window")]
+mod interface;
 pub mod layout;
 mod pipelines;
 pub mod shaders;
 mod sky;
 mod targets;
+#[cfg(feature = "window")]
 mod window;
 
 pub use adapter::{AdapterReport, AdapterWish, adapters};
+#[cfg(feature = "window")]
+pub use interface::UserInterface;
+#[cfg(feature = "window")]
 pub use window::WindowSurface;
 
 use super::frame::FrameConstants;

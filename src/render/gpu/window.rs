@@ -3,6 +3,7 @@
 use super::adapter;
 use super::device::{Gpu, view_of};
 use super::ground::write_rows;
+use super::interface::{PICTURE_FORMAT, Painter, UserInterface};
 use super::layout::TEXT_FORMAT;
 use super::targets::Targets;
 use super::{AdapterWish, GpuRenderer, instance, zeroed};
@@ -21,6 +22,7 @@ pub struct WindowSurface {
     targets: Option<(Targets, [u32; 2])>,
     /// What is written over the picture that is being summed.
     text: Option<wgpu::TextureView>,
+    painter: Painter,
 }
 
 impl WindowSurface {
@@ -48,8 +50,9 @@ impl GpuRenderer {
         let (gpu, adapter) = Gpu::new(adapter::open(wish, &instance, Some(&surface), None)?);
         let renderer = GpuRenderer::on(gpu)?;
         let configuration = configuration(&surface.get_capabilities(&adapter), size_px)?;
-        let pipeline = renderer.pipelines.present(&renderer.gpu, configuration.format)?;
-        let mut window = WindowSurface { surface, configuration, pipeline, targets: None, text: None };
+        let pipeline = renderer.pipelines.present(&renderer.gpu, PICTURE_FORMAT)?;
+        let painter = Painter::new(&renderer.gpu, configuration.format)?;
+        let mut window = WindowSurface { surface, configuration, pipeline, targets: None, text: None, painter };
         renderer.configure(&mut window, size_px)?;
         Ok((renderer, window))
     }
@@ -72,8 +75,8 @@ impl GpuRenderer {
         })
     }
 
-    /// Adds samples `done..done + add` of the loaded scene to those summed for this view, and shows their mean. With
-    /// `done` 0 the sum starts anew; anything that changes the picture must start it. The view is the window's size. Pictures of one
+    /// Adds samples `done..done + add` of the loaded scene to those summed for this view, and shows their mean with an interface over it.
+    /// With `done` 0 the sum starts anew; anything that changes the picture must start it. Pictures of one
     /// sample, in motion, have no labels.
     ///
     /// A window that is hidden or too slow to take the picture is no error: the samples are summed, the next call shows them.
@@ -87,6 +90,7 @@ impl GpuRenderer {
         settings: &Settings,
         done: u32,
         add: u32,
+        mut over: UserInterface<'_>,
     ) -> Result<()> {
         let most = self.gpu.limits.max_texture_dimension_2d;
         let region = view.region();
@@ -105,15 +109,20 @@ impl GpuRenderer {
         let end = done.saturating_add(add.max(u32::from(done == 0)));
         let draw = self.draw(settings);
         self.gpu.guard("drawing", || draw.samples(&targets, region, [done, end], settings.samples.max(end)))?;
+        self.gpu.guard("finishing the picture", || {
+            window.painter.update(&self.gpu, &mut over.textures);
+            let (picture, is_new) = window.painter.picture(&self.gpu, size);
+            if is_new || end > done {
+                let inputs = [&targets.sums[(end % 2) as usize], self.ground.light(&frame), &text];
+                draw.resolve((&window.pipeline, &self.pipelines.present_layout), &inputs, &picture, region, end);
+            }
+            Ok(())
+        })?;
         let shown = self.acquire(window)?;
         if let Some(texture) = shown {
             self.gpu.guard("showing the picture", || {
-                let target = view_of(&texture.texture);
-                let [width, height] = window.size_px();
-                let region = Region { width: width.min(size[0]), height: height.min(size[1]), ..region };
-                let inputs = [&targets.sums[(end % 2) as usize], self.ground.light(&frame), &text];
-                let layout = &self.pipelines.present_layout;
-                draw.resolve((&window.pipeline, layout), &inputs, &target, region, end);
+                let size = window.size_px();
+                window.painter.paint(&self.gpu, &view_of(&texture.texture), size, &over)?;
                 self.gpu.queue.present(texture);
                 Ok(())
             })?;
