@@ -51,6 +51,12 @@ impl Spec {
             && self.cell_box == other.cell_box
     }
 
+    /// Whether the picture is the same.
+    pub(super) fn same_picture(&self, other: &Spec) -> bool {
+        let light = |scene: &SceneOptions| (scene.perspective, scene.look, scene.background, scene.ground);
+        self.same_primitives(other) && light(&self.scene) == light(&other.scene)
+    }
+
     /// The primitives of another one, in this one's light.
     pub(super) fn with_primitives_of(self, other: &Spec) -> Spec {
         let SceneOptions { perspective, look, background, ground, .. } = self.scene;

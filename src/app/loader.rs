@@ -32,7 +32,7 @@ pub(super) const SAMPLES: [Sample; 6] = [
     sample!("DNA", "with a protein that reads it", "1lcd.pdb.gz"),
     sample!("Ferrocene", "iron between two rings", "ferrocene.xyz"),
     sample!("Quartz", "a crystal, its cell drawn", "quartz.cif"),
-    sample!("Ethane", "a methyl group turns: 20 frames", "ethane-rotation.xyz"),
+    sample!("Ethane", "a methyl group turns, frame by frame", "ethane-rotation.xyz"),
 ];
 
 /// How far a file is.

@@ -68,6 +68,7 @@ impl Interface {
 pub(super) struct Screen {
     kind: Kind,
     window: Arc<Window>,
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "for the CPU when a GPU is lost"))]
     wake: Waker,
     notice: Option<String>,
 }
@@ -271,7 +272,9 @@ impl CpuScreen {
             self.posted = (state.version, true);
         } else if self.posted.0 != state.version {
             let coarse = (view.width / self.coarseness, view.height / self.coarseness);
-            self.worker.post(job(IN_MOTION, false, View::new(view.camera, coarse.0, coarse.1)));
+            // The light on the ground costs as its texels.
+            let motion = Settings { ground_texels: IN_MOTION.ground_texels / self.coarseness, ..IN_MOTION };
+            self.worker.post(job(motion, false, View::new(view.camera, coarse.0, coarse.1)));
             self.posted = (state.version, false);
         } else if !self.posted.1
             && self.coarse == state.version

@@ -12,8 +12,8 @@ use super::preferences::Preferences;
 use super::work::{AtomKey, Layer, Source, Work};
 use super::{Options, picking, pictures, sessions};
 use crate::error::Error;
-use crate::render::View;
-use crate::scene::{AtomPlace, Measurement};
+use crate::render::{Quality, View};
+use crate::scene::{AtomPlace, Camera, Measurement};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -84,6 +84,8 @@ pub(super) struct State {
     pub(super) view_px: [u32; 2],
     /// Counts changes of the picture.
     pub(super) version: u64,
+    /// The view and quality that it was last made for.
+    seen: Option<(Camera, Quality)>,
     /// When it changed last.
     changed: Instant,
     /// Whether a button is held down that moves the picture.
@@ -123,6 +125,7 @@ impl State {
             asked: None,
             view_px: [960, 640],
             version: 1,
+            seen: None,
             changed: Instant::now(),
             dragging: false,
             options,
@@ -138,6 +141,7 @@ impl State {
     fn touch(&mut self) {
         self.version += 1;
         self.changed = Instant::now();
+        self.seen = Some((self.work.camera, self.work.quality));
     }
 
     /// How long it is until the picture counts as at rest, so that the finished one is worth its time; `None` as long as something moves
@@ -260,8 +264,13 @@ impl State {
 
     /// Makes the picture show the work.
     pub(super) fn update(&mut self) {
-        self.touch();
         let spec = Spec::of(&self.work);
+        let seen = (self.work.camera, self.work.quality);
+        let is_same_view = self.seen.replace(seen) == Some(seen);
+        if self.asked.is_none() && is_same_view && spec.same_picture(&self.built.spec) {
+            return; // what is picked, say, is none of the picture's business
+        }
+        self.touch();
         if self.asked.is_none() && spec.same_primitives(&self.built.spec) {
             self.built = Arc::new(self.built.relit(spec));
             if self.work.fitted {
@@ -299,6 +308,7 @@ impl State {
             self.work.camera = viewpoint.camera(&self.built.scene);
             self.work.fitted = false;
         }
+        self.touch();
     }
 
     /// The camera that has everything in the picture.

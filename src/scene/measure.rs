@@ -1,10 +1,10 @@
 //! Measured distances, angles and dihedrals: what they are, and how they are marked in a scene.
 //!
-//! Marks are rows of thin dashes from centre to centre of the atoms, with the number as a label in the middle: of the two atoms, at
-//! the apex of the angle, or of the bond that the dihedral turns about. They belong to the scene, so that pictures of it have them.
+//! Marks are rows of thin dashes from centre to centre of the atoms, for an angle an arc as well, with the number as a label in the middle:
+//! of the two atoms, of the arc, or of the bond that the dihedral turns about. They belong to the scene, so that pictures of it have them.
 
 use super::dashes::dashes;
-use super::instances::CylinderInstance;
+use super::instances::{Cap, CylinderInstance};
 use super::{Block, Label, Scene};
 use crate::color::Srgb8;
 use glam::{DVec3, Vec3};
@@ -55,6 +55,38 @@ fn dihedral([a, b, c, d]: [DVec3; 4]) -> Option<f64> {
     defined.then(|| (axis.length() * first.dot(n2)).atan2(n1.dot(n2)).to_degrees())
 }
 
+/// How far an arc is from the apex: as a part of the shorter leg, and at most, in ångström (chosen: clear of the balls and sticks of
+/// bonded atoms, and not lost between far ones). Its pieces, from 0° to 180°.
+const ARC: (f32, f32) = (0.62, 1.6);
+const ARC_PIECES: f32 = 24.0;
+
+/// An arc between the legs of an angle, every other piece of it; where it has its middle. Legs in line have none.
+fn arc([a, apex, b]: [Vec3; 3], id: u32, block: &mut Block) -> Vec3 {
+    let (u, v) = (a - apex, b - apex);
+    let radius = (ARC.0 * u.length().min(v.length())).min(ARC.1);
+    let (Some(along), Some(side)) = (u.try_normalize(), v.reject_from(u).try_normalize()) else {
+        return apex + u.normalize_or_zero() * radius;
+    };
+    let whole = u.angle_between(v);
+    let at = |part: f32| apex + (along * (part * whole).cos() + side * (part * whole).sin()) * radius;
+    // An odd number, so that it begins and ends with a piece.
+    let pieces = ((whole / std::f32::consts::PI * ARC_PIECES) as u32).max(2) | 1;
+    for piece in (0..pieces).step_by(2) {
+        let [start, end] = [piece, piece + 1].map(|n| at(n as f32 / pieces as f32).to_array());
+        block.cylinders.push(CylinderInstance {
+            a: start,
+            b: end,
+            radius: RADIUS,
+            id,
+            color_a: COLOR,
+            color_b: COLOR,
+            caps: CylinderInstance::pack_caps(Cap::Round, Cap::Round),
+            reserved: 0,
+        });
+    }
+    at(0.5)
+}
+
 /// The marks of measurements.
 pub(super) struct Marks {
     pub(super) block: Block,
@@ -83,7 +115,7 @@ pub(super) fn marks(scene: &Scene, measurements: &[Measurement]) -> Marks {
         let middle = |a: usize, b: usize| (balls[a].1 + balls[b].1) * 0.5;
         let anchor = match balls.len() {
             2 => middle(0, 1),
-            3 => balls[1].1 * 0.7 + middle(0, 2) * 0.3,
+            3 => arc([balls[0].1, balls[1].1, balls[2].1], id, &mut marks.block),
             _ => middle(1, 2),
         };
         // Seen where any of the atoms or whatever else is at the anchor: a number that was asked for is not hidden.
@@ -134,6 +166,11 @@ mod tests {
             own.map(|dash| Vec3::from(dash.a).distance(dash.b.into())).sum::<f32>()
         };
         assert!(reach(1) > 1.0 && reach(1) < 3.0 && reach(2) > 2.0 && block.id_count == 2);
+        // The arc of the angle: 1.6 Å about the apex, in its plane, its middle between the legs.
+        let apex = balls[0];
+        let [u, v] = [balls[1] - apex, balls[2] - apex].map(Vec3::normalize);
+        let middle = scene.overlay.labels[1].anchor - apex;
+        assert!((middle.length() - 1.6).abs() < 1e-4 && (middle.dot(u) - middle.dot(v)).abs() < 1e-4);
         // Their ids are nobody else's.
         assert_eq!(scene.item_of(scene.placements[1].first_id + 1), None);
         assert_eq!(scene.item_of(2), Some((0, 1)));

@@ -184,7 +184,7 @@ fn what_is_under_a_point_is_told_with_its_bonds() {
     let (heading, facts) = picking::about_atom(&state.built.drawn[0].1, 1);
     let fact =
         |name: &str| facts.iter().filter(|(n, _)| n == name).map(|(_, value)| value.as_str()).collect::<Vec<_>>();
-    assert_eq!(heading, "carbon C");
+    assert_eq!(heading, "Carbon C");
     assert_eq!(
         (fact("Name"), fact("Residue"), fact("Chain"), fact("Number")),
         (vec!["CA"], vec!["THR 1"], vec!["A"], vec!["2"])

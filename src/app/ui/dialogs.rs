@@ -12,10 +12,10 @@ use std::path::PathBuf;
 /// Shows those that are open.
 pub(super) fn show(ctx: &Context, state: &mut State, actions: &mut Vec<Action>) {
     picture(ctx, state);
-    path(ctx, "Save session", "Save", state.shown.session.take(), |path| actions.push(Action::SaveSession(path)))
-        .map_or((), |text| state.shown.session = Some(text));
-    path(ctx, "Open", "Open", state.shown.open.take(), |path| actions.push(Action::Open(path)))
-        .map_or((), |text| state.shown.open = Some(text));
+    let session = state.shown.session.take();
+    state.shown.session = path(ctx, "Save session", "Save", session, |path| actions.push(Action::SaveSession(path)));
+    let open = state.shown.open.take();
+    state.shown.open = path(ctx, "Open", "Open", open, |path| actions.push(Action::Open(path)));
 }
 
 fn window<R>(ctx: &Context, title: &str, content: impl FnOnce(&mut Ui) -> R) -> (Option<R>, bool) {

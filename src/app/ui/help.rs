@@ -19,7 +19,7 @@ pub(super) fn show(ctx: &Context, state: &State, actions: &mut Vec<Action>) {
         .show(ctx, |ui| {
             let commands = commands::commands(state);
             let height = (ctx.content_rect().height() - 120.0).max(120.0);
-            ScrollArea::vertical().max_height(height).show(ui, |ui| {
+            ScrollArea::vertical().min_scrolled_height(height).max_height(height).show(ui, |ui| {
                 ui.columns(2, |columns| {
                     let preset = state.preferences.mouse;
                     columns[0].label(RichText::new("Mouse").strong());

@@ -36,11 +36,12 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, memory: &mut Memory) -> Rect 
     let mut actions = Vec::new();
     keys(ui, state, &mut actions);
     theme::follow(ui.ctx(), state.preferences.theme);
-    if state.preferences.panel && ui.available_width() >= LEAST_FOR_PANEL {
+    let is_empty = state.work.layers.is_empty() && state.loader.under_way().is_empty();
+    if state.preferences.panel && !is_empty && ui.available_width() >= LEAST_FOR_PANEL {
         panel::show(ui, state, memory, &mut actions);
     }
     let rect = ui.available_rect_before_wrap();
-    if state.work.layers.is_empty() && state.loader.under_way().is_empty() {
+    if is_empty {
         start::show(ui, state, &mut actions);
     } else {
         view::show(ui, state, &mut memory.view, &mut actions);

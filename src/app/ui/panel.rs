@@ -1,6 +1,6 @@
 //! The panel on the right: files, how things look, what is shown, crystal, selection, atoms.
 
-use super::parts::{button, choice, heading, named, row, switch};
+use super::parts::{button, choice, heading, named, pair, row, switch};
 use super::{Memory, atoms};
 use crate::app::action::Action;
 use crate::app::commands::capital;
@@ -168,41 +168,77 @@ fn light(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
             actions,
         );
     });
-    ui.horizontal(|ui| {
-        switch(ui, "Ground", scene.ground, Action::Ground, actions);
-        switch(ui, "Orthographic", !scene.perspective, |on| Action::Perspective(!on), actions);
-    });
+    pair(
+        ui,
+        actions,
+        |ui, actions| {
+            switch(ui, "Ground", scene.ground, Action::Ground, actions);
+        },
+        |ui, actions| {
+            switch(ui, "Orthographic", !scene.perspective, |on| Action::Perspective(!on), actions);
+        },
+    );
     let qualities = Quality::ALL.map(|quality| (quality, capital(quality.name())));
     choice(ui, "Quality", &qualities, state.work.quality, Action::Quality, actions);
 }
 
 fn shown(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let (scene, crystal) = (&state.work.scene, &state.work.crystal);
-    ui.horizontal(|ui| {
-        switch(ui, "Hydrogens", scene.hydrogens, Action::Hydrogens, actions);
-        switch(ui, "Water", scene.water, Action::Water, actions);
-    });
-    ui.horizontal(|ui| {
-        switch(ui, "Hydrogen bonds", crystal.bonds.hydrogen_bonds, Action::HydrogenBonds, actions);
-        switch(ui, "Axes", scene.axes, Action::Axes, actions);
-    });
-    ui.horizontal(|ui| {
-        switch(ui, "Legend", scene.text.legend, Action::Legend, actions);
-        switch(ui, "Scale bar", scene.text.scale_bar, Action::ScaleBar, actions);
-    });
+    pair(
+        ui,
+        actions,
+        |ui, actions| {
+            switch(ui, "Hydrogens", scene.hydrogens, Action::Hydrogens, actions);
+        },
+        |ui, actions| {
+            switch(ui, "Water", scene.water, Action::Water, actions);
+        },
+    );
+    pair(
+        ui,
+        actions,
+        |ui, actions| {
+            switch(ui, "Hydrogen bonds", crystal.bonds.hydrogen_bonds, Action::HydrogenBonds, actions);
+        },
+        |ui, actions| {
+            switch(ui, "Axes", scene.axes, Action::Axes, actions);
+        },
+    );
+    pair(
+        ui,
+        actions,
+        |ui, actions| {
+            switch(ui, "Legend", scene.text.legend, Action::Legend, actions);
+        },
+        |ui, actions| {
+            switch(ui, "Scale bar", scene.text.scale_bar, Action::ScaleBar, actions);
+        },
+    );
 }
 
 fn labels(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let text = &state.work.scene.text;
     let labels = text.labels;
-    ui.horizontal(|ui| {
-        switch(ui, "Element", labels.element, |on| Action::Labels(LabelContent { element: on, ..labels }), actions);
-        switch(ui, "Number", labels.index, |on| Action::Labels(LabelContent { index: on, ..labels }), actions);
-    });
-    ui.horizontal(|ui| {
-        switch(ui, "Atom name", labels.name, |on| Action::Labels(LabelContent { name: on, ..labels }), actions);
-        switch(ui, "Residue", labels.residue, |on| Action::Labels(LabelContent { residue: on, ..labels }), actions);
-    });
+    pair(
+        ui,
+        actions,
+        |ui, actions| {
+            switch(ui, "Element", labels.element, |on| Action::Labels(LabelContent { element: on, ..labels }), actions);
+        },
+        |ui, actions| {
+            switch(ui, "Number", labels.index, |on| Action::Labels(LabelContent { index: on, ..labels }), actions);
+        },
+    );
+    pair(
+        ui,
+        actions,
+        |ui, actions| {
+            switch(ui, "Atom name", labels.name, |on| Action::Labels(LabelContent { name: on, ..labels }), actions);
+        },
+        |ui, actions| {
+            switch(ui, "Residue", labels.residue, |on| Action::Labels(LabelContent { residue: on, ..labels }), actions);
+        },
+    );
     row(ui, "Size", |ui| {
         let mut size = text.size;
         let slider = egui::Slider::new(&mut size, 0.2..=5.0).logarithmic(true).fixed_decimals(1);
@@ -278,9 +314,9 @@ fn picked(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
             ui.label(RichText::new(value).strong());
             button(ui, "Keep", "Show it in the picture (M)", Action::Measure, actions);
         } else {
-            let mut on = state.measuring;
-            if ui.toggle_value(&mut on, "Measure").on_hover_text("Clicks gather atoms (M)").changed() {
-                actions.push(Action::Measuring(on));
+            let toggle = egui::Button::new("Measure").selected(state.measuring);
+            if ui.add(toggle).on_hover_text("Clicks gather atoms (M)").clicked() {
+                actions.push(Action::Measuring(!state.measuring));
             }
         }
         if !picked.is_empty() {

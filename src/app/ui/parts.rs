@@ -33,6 +33,24 @@ pub(super) fn switch(ui: &mut Ui, name: &str, on: bool, action: impl Fn(bool) ->
     }
 }
 
+/// Two things side by side, in columns.
+pub(super) fn pair(
+    ui: &mut Ui,
+    actions: &mut Vec<Action>,
+    left: impl FnOnce(&mut Ui, &mut Vec<Action>),
+    right: impl FnOnce(&mut Ui, &mut Vec<Action>),
+) {
+    ui.horizontal(|ui| {
+        let start = ui.cursor().left();
+        left(ui, actions);
+        ui.add_space((start + COLUMN_WIDTH - ui.cursor().left()).max(0.0));
+        right(ui, actions);
+    });
+}
+
+/// Width of one of two columns, points.
+const COLUMN_WIDTH: f32 = 134.0;
+
 /// One of several in a list that opens.
 pub(super) fn choice<T: PartialEq + Copy>(
     ui: &mut Ui,

@@ -265,7 +265,7 @@ fn the_tip_says_what_is_under_the_pointer() {
     steps(&mut harness);
     std::thread::sleep(std::time::Duration::from_millis(300));
     steps(&mut harness);
-    assert!(harness.query_by_label("carbon C").is_some());
+    assert!(harness.query_by_label("Carbon C").is_some());
     assert!(
         harness.query_by_label_contains("aromatic, by distance").is_some()
             || harness.query_all_by_label_contains("aromatic").next().is_some()

@@ -25,7 +25,11 @@ pub(in crate::app) fn set_up(ctx: &Context) {
         ctx.style_mut_of(theme, |style| adjust(style, theme == egui::Theme::Dark));
     }
     // Ctrl + and − change the size of the interface in other programs; here + and − zoom.
-    ctx.options_mut(|options| options.zoom_with_keyboard = false);
+    ctx.options_mut(|options| {
+        options.zoom_with_keyboard = false;
+        // Where the system does not say what it likes: pictures are white.
+        options.fallback_theme = egui::Theme::Light;
+    });
 }
 
 /// Takes the theme that is wished for.
