@@ -88,7 +88,11 @@
 //!   samples each by its id, so that two may show a little more or less than they would by the rules of glass; with 4 samples
 //!   there are only 4 steps of opacity.
 //! - A coarse mesh with smooth normals shades itself where the light grazes it: its faces are flat.
-//! - In a window drawn by a GPU there are no labels while something moves.
+//! - In a window drawn by a GPU there are no labels while something moves. The rings about picked atoms are drawn over the picture, in front of
+//!   what hides the atom, and are not in exports.
+//! - Sessions keep neither meshes laid over the molecule nor samples, and find atoms by their numbers. `--camera` writes one frame and one
+//!   view; files that show different frames are one command line only with the same.
+//! - How far reading a file is can be told by its steps only; one that is given up is read to its end, unseen.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
 //! - Large pictures are drawn in strips, each of which sorts all primitives anew. JPEG and WebP are gathered in memory, 3 or 4 bytes a
 //!   pixel. If a device is lost in the middle, the CPU draws the rest of the picture, while its metadata names the device.

@@ -5,7 +5,7 @@
 
 use super::state::State;
 use super::work::{AtomKey, Layer, Source, Work};
-use crate::scene::{Background, Viewpoint};
+use crate::scene::Viewpoint;
 use crate::session::{Atom, File, Session, Settings};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -85,14 +85,10 @@ pub(super) fn proposed(state: &State) -> String {
 
 /// Saves the session.
 pub(super) fn save(state: &mut State, path: &Path) {
-    let mut session = of(state);
+    let session = of(state);
     if session.files.iter().any(|file| file.path.to_string_lossy().starts_with(SAMPLE)) {
         return state
             .complain("A session keeps the paths of files, and a sample has none: open the molecule from a file.");
-    }
-    if session.fitted {
-        // The window that opens it may have another shape.
-        session.fitted = true;
     }
     match session.write(path) {
         Ok(()) => {
@@ -167,9 +163,4 @@ fn finish(state: &mut State) {
     state.work = work;
     state.history.push(before, "open session", None);
     state.update();
-}
-
-/// A background as the panel shows it.
-pub(super) fn is_transparent(background: Background) -> bool {
-    background == Background::Transparent
 }

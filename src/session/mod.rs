@@ -186,7 +186,10 @@ impl Session {
             return Err(wrong("supercell", &found, "three numbers of cells from 1 to 10000"));
         }
         let viewpoint = match &self.camera {
-            Some(text) => Some(text.parse::<Viewpoint>().map_err(|expected| wrong("camera", text, &expected))?),
+            Some(text) => Some(
+                text.parse::<Viewpoint>()
+                    .map_err(|error| wrong("camera", text, error.trim_start_matches("expected ")))?,
+            ),
             None => None,
         };
         let scene = SceneOptions {

@@ -5,7 +5,6 @@ use super::{Memory, atoms};
 use crate::app::action::Action;
 use crate::app::commands::capital;
 use crate::app::picking;
-use crate::app::sessions::is_transparent;
 use crate::app::state::State;
 use crate::bonds::BondMode;
 use crate::color::Srgb8;
@@ -141,9 +140,9 @@ fn style(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
 fn light(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let scene = &state.work.scene;
     let looks = Look::ALL.map(|look| (look, capital(look.name())));
-    choice(ui, "Light", &looks, scene.look, Action::Look, actions);
+    choice(ui, "Look", &looks, scene.look, Action::Look, actions);
     row(ui, "Background", |ui| {
-        let transparent = is_transparent(scene.background);
+        let transparent = scene.background == Background::Transparent;
         let color = match scene.background {
             Background::Color(color) => color,
             Background::Transparent => scene.look.background(),
@@ -258,7 +257,7 @@ fn bonds(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         BondMode::None => "None",
     };
     let modes = BondMode::ALL.map(|mode| (mode, says(mode).to_owned()));
-    choice(ui, "Bonds", &modes, state.work.crystal.bonds.mode, Action::Bonds, actions);
+    choice(ui, "From", &modes, state.work.crystal.bonds.mode, Action::Bonds, actions);
     switch(ui, "One stick from a metal to a ring", state.work.scene.haptic, Action::Haptic, actions);
 }
 
