@@ -355,11 +355,32 @@ mod tests {
     #[test]
     fn one_alternate_location_is_drawn() {
         let structure = altloc_structure();
-        let shown = |choice| shown_atoms(&structure, choice).unwrap();
+        let options = |altloc| SceneOptions { altloc, ..SceneOptions::default() };
+        let shown = |altloc| shown_atoms(&structure, &options(altloc)).unwrap();
         assert_eq!(shown(AltlocChoice::Highest), [true, false, true, false, true]);
         assert_eq!(shown(AltlocChoice::Code(b'A')), [true, true, false, true, false]);
         assert_eq!(shown(AltlocChoice::Code(b'Z')), [true, false, true, false, true]);
-        assert_eq!(shown_atoms(&structure, AltlocChoice::All), None);
+        assert_eq!(shown_atoms(&structure, &options(AltlocChoice::All)), None);
+    }
+
+    #[test]
+    fn water_and_hydrogens_can_be_left_out() {
+        let text = b"8\n\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\nC 5 0 0\nH 6.09 0 0\nH 4.64 1.03 0\nH 4.64 -0.51 0.89\nH 4.64 -0.51 -0.89\n";
+        let document = crate::import::read_bytes(text, "a.xyz", &Default::default()).unwrap();
+        let structure = crate::bonds::assign(document.records[0].clone(), &Default::default());
+        let shown = |hydrogens, water| {
+            let options = SceneOptions { hydrogens, water, ..SceneOptions::default() };
+            let shown = shown_atoms(&structure, &options).unwrap();
+            (0..8).filter(|&atom| shown[atom]).collect::<Vec<_>>()
+        };
+        assert_eq!(shown(true, false), [3, 4, 5, 6, 7]);
+        assert_eq!(shown(false, true), [0, 3]);
+        assert_eq!(shown(false, false), [3]);
+        let peptide = b"\
+ATOM      1  CA  GLY A   1       0.000   0.000   0.000  1.00 10.00           C  \n\
+HETATM    2  O   HOH A   2       9.000   0.000   0.000  1.00 10.00           O  \n";
+        let document = crate::import::read_bytes(peptide, "a.pdb", &Default::default()).unwrap();
+        assert_eq!(crate::bonds::waters(&document.records[0]), [false, true]);
     }
 
     fn pair(kind: BondKind) -> Structure {
