@@ -168,7 +168,7 @@ fn the_window_shows_turns_zooms_and_saves_what_render_draws() {
     xdotool(&display, &["key", "Return"]);
     let session = folder.path().join("caffeine.ballstick.json");
     wait_for("the session", || session.exists().then_some(()));
-    let mut quit = |window: &mut Running| {
+    let quit = |window: &mut Running| {
         xdotool(&display, &["key", "q"]);
         wait_for("the end", || window.0.try_wait().unwrap())
     };

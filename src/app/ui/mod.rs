@@ -60,13 +60,15 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, memory: &mut Memory) -> Rect 
 
 /// Keys that no text field takes.
 fn keys(ui: &Ui, state: &State, actions: &mut Vec<Action>) {
+    // Asked before the input is: egui's context cannot be asked twice at once.
     let is_typing = ui.ctx().egui_wants_keyboard_input();
+    let has_focus = ui.ctx().memory(|memory| memory.focused().is_some());
     let mut taken = Vec::new();
     ui.ctx().input(|input| {
         for event in &input.events {
             match *event {
                 Event::Key { key, pressed: true, repeat, modifiers, .. } => {
-                    let moves_focus = matches!(key, egui::Key::Space | egui::Key::Enter) && has_focus(ui);
+                    let moves_focus = matches!(key, egui::Key::Space | egui::Key::Enter) && has_focus;
                     let is_for_all = modifiers.command || key == egui::Key::Escape || key == egui::Key::F1;
                     let edits = modifiers.command && matches!(key, egui::Key::A | egui::Key::Z | egui::Key::Y);
                     if (is_typing && (!is_for_all || edits)) || moves_focus {
@@ -81,8 +83,4 @@ fn keys(ui: &Ui, state: &State, actions: &mut Vec<Action>) {
         }
     });
     actions.append(&mut taken);
-}
-
-fn has_focus(ui: &Ui) -> bool {
-    ui.ctx().memory(|memory| memory.focused().is_some())
 }
