@@ -10,6 +10,10 @@ pub(super) enum Drag {
     Orbit,
     /// Moves along the picture plane.
     Pan,
+    /// Comes nearer (downwards) or goes away.
+    Zoom,
+    /// Turns about the line of sight.
+    Roll,
 }
 
 /// A drag across the shorter side of the window turns by half a turn.
@@ -32,6 +36,14 @@ pub(super) fn orbit(camera: &mut Camera, dx_px: f32, dy_px: f32, shorter_side_px
         let axis = camera.world_from_view * Vec3::new(pitch, yaw, 0.0);
         Quat::from_scaled_axis(axis)
     };
+    camera.eye = camera.target + turn * (camera.eye - camera.target);
+    camera.world_from_view = (turn * camera.world_from_view).normalize();
+}
+
+/// Turns about the line of sight, clockwise by a drag to the right.
+pub(super) fn roll(camera: &mut Camera, dx_px: f32, shorter_side_px: f32) {
+    let angle = dx_px * TURN_PER_SIDE_RAD / shorter_side_px.max(1.0);
+    let turn = Quat::from_axis_angle(camera.world_from_view * Vec3::Z, angle);
     camera.eye = camera.target + turn * (camera.eye - camera.target);
     camera.world_from_view = (turn * camera.world_from_view).normalize();
 }
@@ -89,6 +101,17 @@ mod tests {
             assert!((c.eye.distance(c.target) - distance).abs() < 1e-3);
             assert!(on_screen(&c, c.target).iter().all(|x| x.abs() < 0.05));
         }
+    }
+
+    #[test]
+    fn roll_turns_the_picture_about_its_middle() {
+        let mut c = camera(true);
+        let right = c.target + c.world_from_view * Vec3::X;
+        let before = on_screen(&c, right);
+        roll(&mut c, 300.0, 600.0);
+        let [x, y] = on_screen(&c, right);
+        // A quarter of a turn to the right: what was on the right is below.
+        assert!(x.abs() < 0.05 && (y + before[0]).abs() < 0.05, "{x} {y}");
     }
 
     #[test]

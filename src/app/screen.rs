@@ -1,51 +1,107 @@
-//! How pictures get to the window.
+//! How the picture and the interface over it get to the window.
 //!
-//! With a real GPU the scene is drawn straight to the window's surface, one sample a frame until the picture is
-//! finished. Without one the CPU renderer's pictures are copied there (softbuffer): coarse while something moves, finished
-//! when it rests. If the GPU is lost the window goes on with the CPU and says so.
+//! With a real GPU the scene is drawn straight to the window's surface, one sample a frame until the picture is finished, and the
+//! interface over it. Without one the CPU renderer's pictures are copied there (softbuffer): coarse while something moves, finished
+//! when it rests; the interface is painted over them, and only what changed is touched. If the GPU is lost the window goes on with the CPU
+//! and says so.
 
-use super::Wake;
-use super::model::Model;
-use super::worker::{Job, Worker};
+use super::build::Waker;
+use super::paint::{Canvas, Painter, PxRect, pixel_of};
+use super::state::State;
+use super::worker::{Frame, Job, Worker};
 use crate::error::{Error, Result};
-use crate::render::{Choice, Image, Settings};
+use crate::render::{Choice, Settings, View};
+use egui::TexturesDelta;
+use egui::epaint::ClippedPrimitive;
 use std::num::NonZeroU32;
 use std::sync::Arc;
-use winit::event_loop::EventLoopProxy;
+use std::time::Instant;
 use winit::window::Window;
+
+/// What egui wants to be seen.
+#[derive(Default)]
+pub(super) struct Interface {
+    pub(super) textures: TexturesDelta,
+    pub(super) primitives: Vec<ClippedPrimitive>,
+    /// Pixels a point.
+    pub(super) scale: f32,
+    /// Where the molecule is, in points.
+    view: Option<egui::Rect>,
+    /// Whether all of the window is to be painted anew.
+    all: bool,
+}
+
+impl Interface {
+    /// Takes what is to be seen from now on.
+    pub(super) fn set(
+        &mut self,
+        textures: TexturesDelta,
+        primitives: Vec<ClippedPrimitive>,
+        scale: f32,
+        view: egui::Rect,
+    ) {
+        self.textures.append(textures);
+        (self.primitives, self.scale) = (primitives, scale);
+        self.view = view.is_positive().then_some(view);
+    }
+
+    /// Forgets what is on the screen.
+    pub(super) fn forget(&mut self) {
+        self.all = true;
+    }
+
+    /// Where the molecule is in a window of this size, in pixels.
+    fn view_px(&self, size: [u32; 2]) -> PxRect {
+        let size = size.map(|side| side as usize);
+        let whole = PxRect { left: 0, top: 0, right: size[0], bottom: size[1] };
+        self.view.and_then(|view| PxRect::of(view, self.scale, size).cut(whole)).unwrap_or(whole)
+    }
+
+    /// How large that is.
+    pub(super) fn view_size(&self, size: [u32; 2]) -> [u32; 2] {
+        let rect = self.view_px(size);
+        [rect.right - rect.left, rect.bottom - rect.top].map(|side| u32::try_from(side).unwrap_or(u32::MAX))
+    }
+}
 
 /// What shows pictures in the window.
 pub(super) struct Screen {
     kind: Kind,
     window: Arc<Window>,
-    proxy: EventLoopProxy<Wake>,
-    /// Counts changes of what is to be seen.
-    version: u64,
-    moving: bool,
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "for the CPU when a GPU is lost"))]
+    wake: Waker,
+    notice: Option<String>,
 }
 
 enum Kind {
     #[cfg(feature = "gpu")]
     Gpu(Box<GpuScreen>),
-    Cpu(CpuScreen),
+    Cpu(Box<CpuScreen>),
 }
 
 #[cfg(feature = "gpu")]
 struct GpuScreen {
     renderer: crate::render::gpu::GpuRenderer,
     surface: crate::render::gpu::WindowSurface,
-    /// Samples of the current version that are in the picture.
-    done: u32,
+    /// Samples of a version that are in the picture.
+    done: (u64, u32),
     size_px: [u32; 2],
 }
 
 struct CpuScreen {
     surface: softbuffer::Surface<Arc<Window>, Arc<Window>>,
     worker: Worker,
+    painter: Painter,
     /// The version last posted, and whether its fine picture was.
     posted: (u64, bool),
+    /// The version whose coarse picture is on the screen.
+    coarse: u64,
     /// The picture on the screen.
-    shown: Option<Image>,
+    shown: Option<Frame>,
+    /// The size of the window when it was last painted.
+    size_px: [u32; 2],
+    /// What was painted in the last frame, for buffers that are two frames old.
+    last_damage: Vec<PxRect>,
     /// Pixels of a picture in motion are this many times larger when the machine cannot keep up.
     coarseness: u32,
 }
@@ -56,44 +112,45 @@ const IN_MOTION: Settings = Settings { samples: 1, ground_texels: 96, ao: 0, sha
 const SLOW_FRAME: f64 = 0.060;
 
 impl Screen {
-    pub(super) fn new(window: Arc<Window>, choice: Choice, proxy: EventLoopProxy<Wake>) -> Result<Screen> {
-        let kind = match gpu_screen(&window, choice) {
-            Ok(Some(kind)) => kind,
-            Ok(None) => Kind::Cpu(CpuScreen::new(&window, &proxy)?),
+    /// A screen, and what there is to say of it.
+    pub(super) fn new(window: Arc<Window>, choice: Choice, wake: Waker) -> Result<(Screen, Option<String>)> {
+        let (kind, notice) = match gpu_screen(&window, choice) {
+            Ok(Some(kind)) => (kind, None),
             Err(error) if choice == Choice::Gpu => {
-                eprintln!("ballstick: {error}; the CPU renderer draws instead");
-                Kind::Cpu(CpuScreen::new(&window, &proxy)?)
+                (cpu_kind(&window, &wake)?, Some(format!("{error}; the CPU renderer draws instead")))
             }
-            Err(_) => Kind::Cpu(CpuScreen::new(&window, &proxy)?),
+            Ok(None) | Err(_) => (cpu_kind(&window, &wake)?, None),
         };
-        Ok(Screen { kind, window, proxy, version: 1, moving: false })
+        Ok((Screen { kind, window, wake, notice: None }, notice))
     }
 
-    /// Notes that the picture is out of date; `moving` says that more changes are to be expected.
-    pub(super) fn changed(&mut self, moving: bool) {
-        self.version += 1;
-        self.moving = moving;
-        #[cfg(feature = "gpu")]
-        if let Kind::Gpu(gpu) = &mut self.kind {
-            gpu.done = 0;
-        }
+    /// What happened to the screen, once.
+    pub(super) fn take_notice(&mut self) -> Option<String> {
+        self.notice.take()
     }
 
     /// Brings the window up to date; whether it should be called again at once.
-    pub(super) fn draw(&mut self, model: &Model, settings: &Settings) -> Result<bool> {
+    pub(super) fn draw(&mut self, state: &State, interface: &mut Interface) -> Result<bool> {
+        let size = self.window.inner_size();
+        let size = [size.width, size.height];
         match &mut self.kind {
             #[cfg(feature = "gpu")]
-            Kind::Gpu(gpu) => match gpu.draw(model, settings, self.moving) {
+            Kind::Gpu(gpu) => match gpu.draw(state, interface, size) {
                 Ok(more) => Ok(more),
                 Err(error) => {
-                    eprintln!("ballstick: {error}; the CPU renderer takes over");
-                    self.kind = Kind::Cpu(CpuScreen::new(&self.window, &self.proxy)?);
+                    self.notice = Some(format!("{error}; the CPU renderer takes over"));
+                    self.kind = cpu_kind(&self.window, &self.wake)?;
+                    interface.forget();
                     Ok(true)
                 }
             },
-            Kind::Cpu(cpu) => cpu.draw(model, settings, self.version).map(|()| false),
+            Kind::Cpu(cpu) => cpu.draw(state, interface, size).map(|()| false),
         }
     }
+}
+
+fn cpu_kind(window: &Arc<Window>, wake: &Waker) -> Result<Kind> {
+    Ok(Kind::Cpu(Box::new(CpuScreen::new(window, wake)?)))
 }
 
 /// The GPU's screen if the choice allows one; `None` if the CPU is to draw.
@@ -108,7 +165,7 @@ fn gpu_screen(window: &Arc<Window>, choice: Choice) -> Result<Option<Kind>> {
     let size = window.inner_size();
     let size_px = [size.width.max(1), size.height.max(1)];
     let (renderer, surface) = GpuRenderer::for_window(Arc::clone(window), size_px, wish)?;
-    Ok(Some(Kind::Gpu(Box::new(GpuScreen { renderer, surface, done: 0, size_px }))))
+    Ok(Some(Kind::Gpu(Box::new(GpuScreen { renderer, surface, done: (0, 0), size_px }))))
 }
 
 #[cfg(not(feature = "gpu"))]
@@ -121,47 +178,73 @@ fn gpu_screen(_window: &Arc<Window>, choice: Choice) -> Result<Option<Kind>> {
 
 #[cfg(feature = "gpu")]
 impl GpuScreen {
-    fn draw(&mut self, model: &Model, settings: &Settings, moving: bool) -> Result<bool> {
+    fn draw(&mut self, state: &State, interface: &mut Interface, size_px: [u32; 2]) -> Result<bool> {
         use crate::render::Renderer as _;
-        let view = model.view();
-        let size_px = [view.width, view.height];
+        use crate::render::gpu::UserInterface;
+        let size_px = size_px.map(|side| side.max(1));
         if size_px != self.size_px {
             self.renderer.resize(&mut self.surface, size_px);
-            self.size_px = size_px;
-            self.done = 0;
+            (self.size_px, self.done) = (size_px, (0, 0));
         }
-        // In motion one sample and a coarse ground; at rest all samples of the finished picture.
-        let settings = if moving { &IN_MOTION } else { settings };
-        if self.done >= settings.samples && !moving {
-            return Ok(false);
+        if self.done.0 != state.version {
+            self.done = (state.version, 0);
         }
-        self.renderer.load(Arc::clone(model.scene()))?;
-        self.renderer.present(&mut self.surface, &view, settings, self.done.min(settings.samples - 1), 1)?;
-        self.done += 1;
-        Ok(!moving && self.done < settings.samples)
+        let fine = state.work.quality.settings();
+        let samples = fine.samples;
+        let is_at_rest = state.until_rest(Instant::now()).is_some_and(|rest| rest.is_zero());
+        // First one sample in motion: coarse ground, no light from afar. At rest the sum begins anew with fine ones.
+        let (settings, done, add) = match self.done.1 {
+            0 => (&IN_MOTION, 0, 1),
+            1 if !is_at_rest => (&IN_MOTION, 1, 0),
+            count if is_at_rest && count <= samples => (&fine, count - 1, 1),
+            count => (&fine, count - 1, 0),
+        };
+        let place = interface.view_px(size_px);
+        let over = UserInterface {
+            textures: std::mem::take(&mut interface.textures),
+            primitives: &interface.primitives,
+            pixels_per_point: interface.scale,
+            place: [place.left, place.top].map(|side| side as u32),
+        };
+        self.renderer.load(Arc::clone(&state.built.scene))?;
+        self.renderer.present(&mut self.surface, &state.view(), settings, done, add, over)?;
+        self.done.1 += add;
+        Ok(is_at_rest && self.done.1 <= samples)
     }
 }
 
 impl CpuScreen {
-    fn new(window: &Arc<Window>, proxy: &EventLoopProxy<Wake>) -> Result<CpuScreen> {
+    fn new(window: &Arc<Window>, wake: &Waker) -> Result<CpuScreen> {
         let failed = |error: softbuffer::SoftBufferError| {
             Error::Unsupported(format!("the window takes no pictures: {error}; try: ballstick render"))
         };
         let context = softbuffer::Context::new(Arc::clone(window)).map_err(failed)?;
         let surface = softbuffer::Surface::new(&context, Arc::clone(window)).map_err(failed)?;
-        let proxy = proxy.clone();
-        let notify = move || {
-            // The loop is gone only when the window is closing.
-            let _ = proxy.send_event(Wake::Frame);
-        };
-        let worker = Worker::start(notify)
+        let wake = Arc::clone(wake);
+        let worker = Worker::start(move || wake())
             .ok_or_else(|| Error::Unsupported("the system gives no thread to draw on".to_owned()))?;
-        Ok(CpuScreen { surface, worker, posted: (0, false), shown: None, coarseness: 1 })
+        Ok(CpuScreen {
+            surface,
+            worker,
+            painter: Painter::default(),
+            posted: (0, false),
+            coarse: 0,
+            shown: None,
+            size_px: [0; 2],
+            last_damage: Vec::new(),
+            coarseness: 1,
+        })
     }
 
-    fn draw(&mut self, model: &Model, settings: &Settings, version: u64) -> Result<()> {
-        let view = model.view();
-        let mut fine_next = false;
+    fn draw(&mut self, state: &State, interface: &mut Interface, size: [u32; 2]) -> Result<()> {
+        let has_new = self.exchange(state);
+        self.paint(interface, size, has_new, state)
+    }
+
+    /// Takes a finished picture and asks for the next one; whether there is a new one.
+    fn exchange(&mut self, state: &State) -> bool {
+        let view = state.view();
+        let mut has_new = false;
         if let Some(frame) = self.worker.take_frame() {
             if !frame.fine {
                 self.coarseness = match frame.seconds {
@@ -170,69 +253,109 @@ impl CpuScreen {
                     _ => self.coarseness,
                 };
             }
-            fine_next = frame.version == version && !frame.fine;
-            self.shown = Some(frame.image);
+            if !frame.fine {
+                self.coarse = frame.version;
+            }
+            has_new = true;
+            self.shown = Some(frame);
         }
-        let job = |settings: Settings, may_stop, view| Job {
-            scene: Arc::clone(model.scene()),
-            view,
+        let job = |settings: Settings, may_stop, drawn: View| Job {
+            scene: Arc::clone(&state.built.scene),
+            view: drawn,
+            size: [view.width, view.height],
             settings,
             may_stop,
-            version,
+            version: state.version,
         };
-        if self.posted.0 != version {
+        if state.work.layers.is_empty() {
+            // The start page covers it.
+            self.posted = (state.version, true);
+        } else if self.posted.0 != state.version {
             let coarse = (view.width / self.coarseness, view.height / self.coarseness);
-            let view = crate::render::View::new(view.camera, coarse.0, coarse.1);
-            self.worker.post(job(IN_MOTION, false, view));
-            self.posted = (version, false);
-        } else if fine_next && !self.posted.1 {
-            self.worker.post(job(*settings, true, view));
-            self.posted = (version, true);
+            // The light on the ground costs as its texels.
+            let motion = Settings { ground_texels: IN_MOTION.ground_texels / self.coarseness, ..IN_MOTION };
+            self.worker.post(job(motion, false, View::new(view.camera, coarse.0, coarse.1)));
+            self.posted = (state.version, false);
+        } else if !self.posted.1
+            && self.coarse == state.version
+            && state.until_rest(Instant::now()).is_some_and(|rest| rest.is_zero())
+        {
+            self.worker.post(job(state.work.quality.settings(), true, view));
+            self.posted = (state.version, true);
         }
-        self.show([view.width, view.height])
+        has_new
     }
 
-    /// Copies the picture to the window, each pixel as large as it takes to fill it.
-    fn show(&mut self, [width, height]: [u32; 2]) -> Result<()> {
+    /// Paints what changed.
+    fn paint(&mut self, interface: &mut Interface, size: [u32; 2], has_new: bool, state: &State) -> Result<()> {
         let failed = |error: softbuffer::SoftBufferError| {
             Error::Unsupported(format!("the window takes no more pictures: {error}"))
         };
-        let (Some(w), Some(h)) = (NonZeroU32::new(width), NonZeroU32::new(height)) else { return Ok(()) };
-        self.surface.resize(w, h).map_err(failed)?;
-        let mut pixels = self.surface.buffer_mut().map_err(failed)?;
-        match &self.shown {
-            None => pixels.fill(0x00FF_FFFF),
-            Some(image) => copy(image, &mut pixels, [width, height]),
+        let (Some(width), Some(height)) = (NonZeroU32::new(size[0]), NonZeroU32::new(size[1])) else { return Ok(()) };
+        let canvas_size = size.map(|side| side as usize);
+        let whole = PxRect { left: 0, top: 0, right: canvas_size[0], bottom: canvas_size[1] };
+        let place = interface.view_px(size);
+        self.painter.update(&mut interface.textures);
+        let mut damage = self.painter.damage(&interface.primitives, interface.scale, canvas_size);
+        if has_new {
+            place.add_to(&mut damage);
         }
-        pixels.present().map_err(failed)
+        let is_new_size = std::mem::replace(&mut self.size_px, size) != size;
+        if std::mem::take(&mut interface.all) || is_new_size {
+            damage = vec![whole];
+        }
+        if damage.is_empty() {
+            return Ok(());
+        }
+        self.surface.resize(width, height).map_err(failed)?;
+        let mut buffer = self.surface.buffer_mut().map_err(failed)?;
+        let mut stale = damage.clone();
+        match buffer.age() {
+            1 => {}
+            2 => self.last_damage.iter().for_each(|rect| rect.add_to(&mut stale)),
+            _ => stale = vec![whole],
+        }
+        let behind = match state.work.scene.background {
+            crate::scene::Background::Color(color) => pixel_of(egui::Color32::from_rgb(color.r, color.g, color.b)),
+            crate::scene::Background::Transparent => 0x00FF_FFFF,
+        };
+        let mut canvas = Canvas { pixels: &mut buffer, size: canvas_size };
+        for &rect in &stale {
+            let Some(rect) = rect.cut(whole) else { continue };
+            background(&mut canvas, rect, place, self.shown.as_ref(), behind);
+            self.painter.paint(&mut canvas, rect, &interface.primitives, interface.scale);
+        }
+        let px = |x: usize| u32::try_from(x).unwrap_or(u32::MAX);
+        let rect_of = |rect: &PxRect| {
+            let rect = rect.cut(whole)?;
+            let width = NonZeroU32::new(px(rect.right - rect.left))?;
+            let height = NonZeroU32::new(px(rect.bottom - rect.top))?;
+            Some(softbuffer::Rect { x: px(rect.left), y: px(rect.top), width, height })
+        };
+        let rects: Vec<softbuffer::Rect> = stale.iter().filter_map(rect_of).collect();
+        self.last_damage = damage;
+        buffer.present_with_damage(&rects).map_err(failed)
     }
 }
 
-/// Nearest pixels of the picture as `0x00RRGGBB`, laid on white where it is transparent.
-fn copy(image: &Image, pixels: &mut [u32], [width, height]: [u32; 2]) {
-    let from = |to: u32, to_size: u32, from_size: u32| u64::from(to) * u64::from(from_size) / u64::from(to_size);
-    let columns: Vec<usize> = (0..width).map(|x| from(x, width, image.width) as usize * 4).collect();
-    for (y, row) in pixels.chunks_exact_mut(width as usize).enumerate() {
-        let start = from(y as u32, height, image.height) as usize * image.width as usize * 4;
-        let line = &image.rgba[start..start + image.width as usize * 4];
-        for (pixel, &column) in row.iter_mut().zip(&columns) {
-            let [r, g, b, a] = [line[column], line[column + 1], line[column + 2], line[column + 3]].map(u32::from);
-            let on_white = |c: u32| (c * a + 255 * (255 - a) + 127) / 255;
-            *pixel = on_white(r) << 16 | on_white(g) << 8 | on_white(b);
+/// Puts the picture behind the interface, and one colour where it is not (yet).
+fn background(canvas: &mut Canvas<'_>, rect: PxRect, place: PxRect, shown: Option<&Frame>, color: u32) {
+    let width = canvas.size[0];
+    for y in rect.top..rect.bottom {
+        let row = &mut canvas.pixels[y * width + rect.left..y * width + rect.right];
+        let line = shown.and_then(|frame| frame.row(y.checked_sub(place.top)?));
+        let Some(line) = line else {
+            row.fill(color);
+            continue;
+        };
+        // The row's part in the picture's place; what of the picture is left of it.
+        let (start, end) = (rect.left.max(place.left), rect.right.min(place.right).min(place.left + line.len()));
+        if start >= end {
+            row.fill(color);
+            continue;
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pictures_fill_the_window_whatever_their_size() {
-        let image = Image { width: 2, height: 1, rgba: vec![255, 0, 0, 255, 0, 0, 255, 0] };
-        let mut pixels = vec![0; 8];
-        copy(&image, &mut pixels, [4, 2]);
-        assert_eq!(pixels[..4], [0xFF_00_00, 0xFF_00_00, 0xFF_FF_FF, 0xFF_FF_FF]);
-        assert_eq!(pixels[..4], pixels[4..]);
+        row[..start - rect.left].fill(color);
+        row[start - rect.left..end - rect.left].copy_from_slice(&line[start - place.left..end - place.left]);
+        row[end - rect.left..].fill(color);
     }
 }

@@ -15,6 +15,8 @@ use std::thread::JoinHandle;
 pub(super) struct Job {
     pub(super) scene: Arc<Scene>,
     pub(super) view: View,
+    /// The size in which it is shown; its pixels are made as large as it takes to fill it.
+    pub(super) size: [u32; 2],
     pub(super) settings: Settings,
     /// Whether a newer job may stop it half-way.
     pub(super) may_stop: bool,
@@ -22,14 +24,24 @@ pub(super) struct Job {
     pub(super) version: u64,
 }
 
-/// A finished picture.
+/// A finished picture, as the window shows it.
 pub(super) struct Frame {
-    pub(super) image: Image,
+    /// `0x00RRGGBB`, laid on white where it is transparent.
+    pixels: Vec<u32>,
+    size: [u32; 2],
     pub(super) version: u64,
     /// Whether it was the fine one.
     pub(super) fine: bool,
     /// Seconds it took.
     pub(super) seconds: f64,
+}
+
+impl Frame {
+    /// A row of pixels.
+    pub(super) fn row(&self, y: usize) -> Option<&[u32]> {
+        let width = self.size[0] as usize;
+        self.pixels.get(y * width..(y + 1) * width)
+    }
 }
 
 #[derive(Default)]
@@ -117,9 +129,33 @@ fn run(shared: &Shared, notify: &dyn Fn()) {
         let stop = if job.may_stop { &shared.stop } else { &never };
         let Some(image) = renderer.image_unless(&job.view, &job.settings, stop) else { continue };
         let seconds = started.elapsed().as_secs_f64();
-        lock(shared).frame = Some(Frame { image, version: job.version, fine: job.may_stop, seconds });
+        let pixels = shown(&image, job.size);
+        lock(shared).frame = Some(Frame { pixels, size: job.size, version: job.version, fine: job.may_stop, seconds });
         notify();
     }
+}
+
+/// The nearest pixels of a picture, on white where it is transparent.
+fn shown(image: &Image, [width, height]: [u32; 2]) -> Vec<u32> {
+    let from = |to: u32, to_size: u32, from_size: u32| u64::from(to) * u64::from(from_size) / u64::from(to_size);
+    let columns: Vec<usize> = (0..width).map(|x| from(x, width, image.width) as usize * 4).collect();
+    let is_same = [image.width, image.height] == [width, height];
+    let pixel = |texel: &[u8]| {
+        let [r, g, b, a] = [texel[0], texel[1], texel[2], texel[3]].map(u32::from);
+        let on_white = |c: u32| (c * a + 255 * (255 - a) + 127) / 255;
+        if a == 255 { r << 16 | g << 8 | b } else { on_white(r) << 16 | on_white(g) << 8 | on_white(b) }
+    };
+    let mut pixels = Vec::with_capacity(width as usize * height as usize);
+    for y in 0..height {
+        let start = from(y, height, image.height) as usize * image.width as usize * 4;
+        let line = &image.rgba[start..start + image.width as usize * 4];
+        if is_same {
+            pixels.extend(line.chunks_exact(4).map(pixel));
+        } else {
+            pixels.extend(columns.iter().map(|&column| pixel(&line[column..column + 4])));
+        }
+    }
+    pixels
 }
 
 #[cfg(test)]
@@ -131,7 +167,8 @@ mod tests {
     fn job(version: u64, may_stop: bool, samples: u32) -> Job {
         let scene = Arc::new(Scene::from_blocks(Vec::new(), Vec::new()));
         let view = View::new(scene.fitted_camera(1.0), 64, 64);
-        Job { scene, view, settings: Settings { samples, ground_texels: 16, ao: 0, shadow: false }, may_stop, version }
+        let settings = Settings { samples, ground_texels: 16, ao: 0, shadow: false };
+        Job { scene, view, size: [64, 64], settings, may_stop, version }
     }
 
     #[test]
@@ -150,9 +187,19 @@ mod tests {
             if let Some(frame) = worker.take_frame() {
                 assert!(frame.version > last, "frames never go back");
                 last = frame.version;
-                assert_eq!((frame.image.width, frame.fine), (64, true));
+                assert_eq!((frame.row(63).map(<[u32]>::len), frame.fine), (Some(64), true));
+                assert!(frame.row(64).is_none());
             }
         }
         assert!(worker.take_frame().is_none());
+    }
+
+    #[test]
+    fn pictures_fill_the_window_whatever_their_size() {
+        let image = Image { width: 2, height: 1, rgba: vec![255, 0, 0, 255, 0, 0, 255, 0] };
+        let pixels = shown(&image, [4, 2]);
+        assert_eq!(pixels[..4], [0xFF_00_00, 0xFF_00_00, 0xFF_FF_FF, 0xFF_FF_FF]);
+        assert_eq!(pixels[..4], pixels[4..]);
+        assert_eq!(shown(&image, [2, 1]), [0xFF_00_00, 0xFF_FF_FF]);
     }
 }

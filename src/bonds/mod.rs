@@ -54,6 +54,7 @@ mod tests;
 pub use explain::{Explained, NotBonded, explain, not_bonded};
 pub use orders::aromatic_rings;
 pub(crate) use orders::small_rings;
+pub use sites::waters;
 
 use crate::structure::{Bond, BondKind, BondOrder, BondSource, StatedBonds, Structure, apply_symmetry};
 use glam::Vec3;

@@ -1,7 +1,7 @@
 //! What an atom's residue says about its bonds: waters stay waters, ions float, alternate locations keep apart.
 
 use crate::element::Element;
-use crate::structure::{NameId, Residue, Structure, atom_flags};
+use crate::structure::{BondKind, NameId, Residue, Structure, atom_flags};
 
 /// Residue names of water in the PDB and in the common force fields and programs (CHARMM, AMBER, GROMACS, OPLS, Tinker).
 /// A residue counts as water only if all its atoms are O, H or particles: `W` may be tungsten.
@@ -94,6 +94,35 @@ impl<'a> Sites<'a> {
             _ => element(a).is_metal() || element(b).is_metal(),
         }
     }
+}
+
+/// For every atom whether it is of a water molecule: by its residue, or, where the file has none, an oxygen with two hydrogens
+/// and no other bonds.
+#[must_use]
+pub fn waters(structure: &Structure) -> Vec<bool> {
+    if !structure.residues().is_empty() {
+        let roles = roles(structure);
+        return (0..structure.atom_count()).map(|atom| roles.get(atom) == Some(&Role::Water)).collect();
+    }
+    let elements = structure.elements();
+    // Bonds and the hydrogens among their partners.
+    let mut counts = vec![(0u32, 0u32); structure.atom_count()];
+    for bond in structure.bonds().iter().filter(|bond| bond.kind != BondKind::Hydrogen) {
+        for (atom, other) in [(bond.a, bond.b), (bond.b, bond.a)] {
+            counts[atom as usize].0 += 1;
+            counts[atom as usize].1 += u32::from(elements[other as usize] == Element::H);
+        }
+    }
+    let mut waters: Vec<bool> =
+        (elements.iter().zip(&counts)).map(|(&element, &counts)| element == Element::O && counts == (2, 2)).collect();
+    for bond in structure.bonds().iter().filter(|bond| bond.kind != BondKind::Hydrogen) {
+        for (atom, other) in [(bond.a as usize, bond.b as usize), (bond.b as usize, bond.a as usize)] {
+            if elements[atom] == Element::O && waters[atom] && elements[other] == Element::H && counts[other].0 == 1 {
+                waters[other] = true;
+            }
+        }
+    }
+    waters
 }
 
 /// The role of every atom; empty if all are plain.

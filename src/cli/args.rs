@@ -2,10 +2,11 @@
 
 use super::size::{Crop, PictureSize};
 use super::values::{
-    Altloc, Axis, Backdrop, Direction, RecordChoice, Region, Supercell, blur, color, counted_from_1, fog, opacity,
-    outline_width, part, positive, text_size,
+    Altloc, Axis, Backdrop, Direction, MeasureArg, RecordChoice, Region, Supercell, blur, color, counted_from_1, fog,
+    opacity, outline_width, part, positive, text_size,
 };
 use crate::color::Srgb8;
+use crate::scene::Viewpoint;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroU32;
 use std::path::PathBuf;
@@ -17,7 +18,8 @@ use std::path::PathBuf;
     version,
     max_term_width = 100,
     args_conflicts_with_subcommands = true,
-    arg_required_else_help = true,
+    // Without a window there is nothing to show without a file.
+    arg_required_else_help = cfg!(not(feature = "window")),
     after_help = "A file that is called like a command is opened as ./render, or by `ballstick view render`.\n\
         Results go to standard output, everything else to standard error; `-` is standard input or output.\n\
         Exit status: 0 done (also with warnings), 1 some inputs failed, 2 the command line is wrong."
@@ -51,8 +53,8 @@ pub enum Command {
 /// `ballstick view`.
 #[derive(Debug, Clone, Args)]
 pub struct ViewArgs {
-    /// Molecule files, all into one scene; - is standard input
-    #[arg(value_name = "FILE", required = true)]
+    /// Molecule files, all into one scene, or a session; - is standard input; without any the window shows how to open one
+    #[arg(value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Look.
     #[command(flatten)]
@@ -202,6 +204,19 @@ pub struct LookArgs {
     /// Look down the lattice direction UVW, which points to the viewer: 111, 1-10 or 1,-1,0; needs a unit cell
     #[arg(long, value_name = "UVW", allow_hyphen_values = true, help_heading = "Look")]
     pub axis: Option<Axis>,
+    /// Take the view that the window's "copy the command line" wrote down, in place of the fitted one
+    #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, conflicts_with_all = ["view", "axis", "projection"], help_heading = "Look")]
+    pub camera: Option<Viewpoint>,
+    /// Mark a distance, angle or dihedral: two, three or four atoms by their numbers in what is drawn, from 1, such as 1,5 or,
+    /// with the number of the FILE, 2:7,2:9,2:12; may be given several times
+    #[arg(long, value_name = "ATOMS", help_heading = "Text")]
+    pub measure: Vec<MeasureArg>,
+    /// Leave hydrogens out
+    #[arg(long, help_heading = "Molecule")]
+    pub no_hydrogens: bool,
+    /// Leave water molecules out
+    #[arg(long, help_heading = "Molecule")]
+    pub no_water: bool,
     /// Alternate locations drawn: highest (occupancy), all, or one letter such as B
     #[arg(long, value_name = "WHICH", default_value = "highest", help_heading = "Molecule")]
     pub altloc: Altloc,
@@ -598,6 +613,10 @@ mod tests {
             "--vectors=forces",
             "--vector-scale=0.5",
             "--axes",
+            "--measure=1,5",
+            "--measure=2:1,2:2,1:3",
+            "--no-hydrogens",
+            "--no-water",
             "--overlay=a.obj",
             "--overlay=b.glb",
             "--overlay-opacity=0.5",
@@ -636,6 +655,8 @@ mod tests {
             &["--overlay=a.obj", "--overlay-opacity=1.5"],
             &["--overlay-wireframe"],
             &["--view=front", "--axis=111"],
+            &["--camera=1,2,3"],
+            &["--measure=1"],
             &["--size=32769x10"],
             &["--dpi=0"],
             &["--crop=auto", "--region=0,0,10,10"],

@@ -76,14 +76,18 @@ pub(super) fn load_for_picture(
 }
 
 /// What is drawn of a structure.
-pub(super) fn drawn(structure: Structure, bond_args: BondArgs, args: CrystalArgs) -> Result<Drawn> {
-    let options = CrystalOptions {
+fn drawn(structure: Structure, bond_args: BondArgs, args: CrystalArgs) -> Result<Drawn> {
+    crystal::draw(structure, &crystal_options(bond_args, args))
+}
+
+/// The options that the flags of bonds and crystals stand for.
+pub(super) fn crystal_options(bond_args: BondArgs, args: CrystalArgs) -> CrystalOptions {
+    CrystalOptions {
         cell: CellChoice::from_name(&args.cell.name()).unwrap_or_default(),
         supercell: args.supercell.0,
         bonds: bond_options(bond_args),
         ..CrystalOptions::default()
-    };
-    crystal::draw(structure, &options)
+    }
 }
 
 /// The records, or the one, that is asked for; with a frame asked for, that frame alone.

@@ -4,15 +4,15 @@ use super::args::{LabelArg, LookArgs, Named, ProjectionArg, RenderArgs, Renderer
 use super::devices::{Adapter, Devices};
 use super::picture::{Draw, Pixels};
 use super::size::Size;
-use super::values::{Altloc, Axis, Direction, Region};
+use super::values::{Altloc, Axis, Direction, MeasureArg, Region};
 use crate::cli::args::Channel;
 use crate::crystal::Drawn;
 use crate::error::{Error, Result};
 use crate::import;
 use crate::render::{Choice, Quality, Renderer, Selection, Settings, View, crop, select};
 use crate::scene::{
-    AltlocChoice, Aromatic, Background, ColorBy, DepthOfField, Item, LabelContent, LightFrame, Look, Orientation,
-    OverlayOptions, Scene, SceneOptions, Style, VectorChoice, vector_scales,
+    AltlocChoice, Aromatic, AtomPlace, Background, ColorBy, DepthOfField, Item, LabelContent, LightFrame, Look,
+    Measurement, Orientation, OverlayOptions, Projection, Scene, SceneOptions, Style, VectorChoice, vector_scales,
 };
 use crate::structure::Mesh;
 use glam::{DVec3, Vec3};
@@ -92,7 +92,11 @@ impl Draw for Drawer {
             .collect();
         self.loaded = None; // the old one goes first
         let scene = Arc::new(Scene::new(&items, &options));
-        let camera = scene.fitted_camera(size.width as f32 / size.height as f32);
+        let camera = match &args.look.camera {
+            Some(viewpoint) => viewpoint.camera(&scene),
+            None => scene.fitted_camera(size.width as f32 / size.height as f32),
+        };
+        check_measurements(&args.look, &scene)?;
         let view = View::new(camera, size.width, size.height);
         self.notes = vector_notes(&items, &options);
         self.missing = missing_labels(&args.look.text, drawn);
@@ -202,7 +206,14 @@ pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOpt
             (None, Some(axis)) => down_axis(axis, drawn)?,
             (None, None) => Orientation::Auto,
         },
-        perspective: look.projection == ProjectionArg::Perspective,
+        perspective: match &look.camera {
+            Some(viewpoint) => matches!(viewpoint.projection, Projection::Perspective { .. }),
+            None => look.projection == ProjectionArg::Perspective,
+        },
+        pose: look.camera.map(|viewpoint| viewpoint.pose),
+        hydrogens: !look.no_hydrogens,
+        water: !look.no_water,
+        measurements: look.measure.iter().map(measurement).collect(),
         ground: look.has_ground(),
         background: look.backdrop().0.map_or(Background::Transparent, Background::Color),
         look: Look::from_name(&look.look.name()).unwrap_or_default(),
@@ -224,6 +235,25 @@ pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOpt
         overlay_wireframe: look.overlay_wireframe,
         overlay_color: look.overlay_color,
     })
+}
+
+fn measurement(MeasureArg(atoms): &MeasureArg) -> Measurement {
+    let place = |&[file, atom]: &[u32; 2]| AtomPlace { item: file - 1, atom: atom - 1 };
+    Measurement { atoms: atoms.iter().map(place).collect() }
+}
+
+/// An atom that is to be measured and is not in the picture is an error: nobody would see that the number is missing.
+fn check_measurements(look: &LookArgs, scene: &Scene) -> Result<()> {
+    for measure in &look.measure {
+        for place in measurement(measure).atoms {
+            if scene.id_of(place).and_then(|id| scene.ball(id)).is_none() {
+                let (file, atom) = (place.item + 1, place.atom + 1);
+                let message = format!("--measure {measure}: there is no atom {atom} in the picture of file {file}");
+                return Err(Error::input(None, message));
+            }
+        }
+    }
+    Ok(())
 }
 
 fn text_options(text: &TextArgs) -> OverlayOptions {
@@ -248,25 +278,39 @@ fn missing_labels(text: &TextArgs, drawn: &[Drawn]) -> Option<String> {
         .then(|| "--label residue has no effect: the file gives no residues".to_owned())
 }
 
-/// What the window starts with; `--axis` is that of the first structure's cell.
+/// What the window starts with. A direction of the lattice needs a cell, so with `--axis` the first file is read here as well.
 #[cfg(feature = "window")]
 pub(super) fn window_options(
     args: &super::args::ViewArgs,
-    drawn: &[Drawn],
     report: &super::report::Report,
 ) -> Result<crate::app::Options> {
-    let mut scene = scene_options(&args.look, drawn)?;
+    let needs_structure = args.look.axis.is_some() || VectorChoice::from_name(&args.look.vectors) != VectorChoice::None;
+    let drawn = match args.files.first().filter(|_| needs_structure) {
+        Some(file) => super::load::load_for_picture(
+            file,
+            &Default::default(),
+            (args.bonds, args.crystal),
+            report,
+            &mut Default::default(),
+        )?,
+        None => Vec::new(),
+    };
+    let mut scene = scene_options(&args.look, &drawn)?;
     let mut notices = Vec::new();
     scene.overlay = overlay(&args.look, &mut notices)?;
     let items: Vec<Item<'_>> = drawn.iter().map(|drawn| Item::drawn(drawn, None)).collect();
     let file = args.files.first().map_or(std::path::Path::new("-"), std::path::PathBuf::as_path);
     notices.iter().for_each(|notice| report.warn(file, notice));
     vector_notes(&items, &scene).iter().for_each(|note| report.note(file, note));
+    let measurements = std::mem::take(&mut scene.measurements);
     Ok(crate::app::Options {
         scene,
+        measurements,
+        crystal: super::load::crystal_options(args.bonds, args.crystal),
         cell_box: args.crystal.has_box(),
-        settings: Settings::default(),
+        quality: Quality::default(),
         renderer: Choice::from_name(&args.renderer.renderer.name()).unwrap_or_default(),
+        viewpoint: args.look.camera,
     })
 }
 

@@ -127,6 +127,34 @@ fn single_digits(text: &str) -> Option<Vec<i32>> {
     (sign == 1).then_some(indices)
 }
 
+/// `--measure`: atoms as number of the file and number of the atom, both from 1.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MeasureArg(pub Vec<[u32; 2]>);
+
+impl FromStr for MeasureArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<MeasureArg, String> {
+        let number = |text: &str| text.trim().parse().ok().filter(|&n: &u32| n > 0);
+        let atom = |part: &str| match part.split_once(':') {
+            Some((file, atom)) => Some([number(file)?, number(atom)?]),
+            None => Some([1, number(part)?]),
+        };
+        let atoms: Option<Vec<[u32; 2]>> = text.split(',').map(atom).collect();
+        atoms
+            .filter(|atoms| (2..=4).contains(&atoms.len()))
+            .map(MeasureArg)
+            .ok_or_else(|| "expected two, three or four numbers of atoms, from 1, such as 1,5 or 2:7,2:9".to_owned())
+    }
+}
+
+impl std::fmt::Display for MeasureArg {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let atoms: Vec<String> = self.0.iter().map(|[file, atom]| format!("{file}:{atom}")).collect();
+        f.write_str(&atoms.join(","))
+    }
+}
+
 /// A number of what is counted from 1.
 pub(super) fn counted_from_1(text: &str) -> Result<NonZeroU32, String> {
     text.parse().map_err(|_| "expected a number; frames are counted from 1".to_owned())
@@ -321,6 +349,17 @@ pub(super) mod tests {
                 ("[1 1 -12]", Axis([1, 1, -12])),
             ],
             &["", "0,0,0", "000", "11", "1111", "1--10", "11-", "a11", "1,2,9999", "1,1,99999999999"],
+        );
+    }
+
+    #[test]
+    fn measurements() {
+        check(
+            &[
+                ("1,5", MeasureArg(vec![[1, 1], [1, 5]])),
+                ("2:7, 3,1:4,9", MeasureArg(vec![[2, 7], [1, 3], [1, 4], [1, 9]])),
+            ],
+            &["", "1", "0,1", "1,2,3,4,5", "1:,2", "a,b", "-1,2"],
         );
     }
 

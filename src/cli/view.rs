@@ -5,34 +5,27 @@ use super::report::Report;
 
 #[cfg(feature = "window")]
 pub(super) fn run(args: ViewArgs, report: &Report) -> Result<(), String> {
-    let (mut files, mut drawn) = (Vec::new(), Vec::new());
-    for file in &args.files {
-        let read = || {
-            // Of a file with several records the first is shown.
-            let first = super::load::read(file, report)?.records.into_iter().next();
-            first.map(|structure| super::load::drawn(structure, args.bonds, args.crystal)).transpose()
-        };
-        match super::guarded(read) {
-            Ok(first) => {
-                drawn.extend(first);
-                files.push(file.clone());
+    let options = match super::guarded(|| super::render::window_options(&args, report)) {
+        Ok(options) => options,
+        Err(error) => {
+            match args.files.first() {
+                Some(file) => report.fail(file, &error),
+                None => report.fail_with(&error.to_string()),
             }
-            Err(error) => report.fail(file, &error),
+            return Ok(());
         }
-    }
-    if drawn.is_empty() {
-        return Ok(()); // said above, file by file
-    }
-    let options = super::render::window_options(&args, &drawn, report);
-    if let Err(error) = options.and_then(|options| crate::app::run(files, drawn, options)) {
-        report.fail_with(&error.to_string());
+    };
+    match crate::app::run(args.files, options) {
+        // Said in the window, too; a script learns of it here.
+        Ok(failures) => failures.iter().for_each(|failure| report.fail_with(failure)),
+        Err(error) => report.fail_with(&error.to_string()),
     }
     Ok(())
 }
 
 #[cfg(not(feature = "window"))]
 pub(super) fn run(args: ViewArgs, report: &Report) -> Result<(), String> {
-    let file = args.files.first().map_or_else(String::new, |file| file.to_string_lossy().into_owned());
+    let file = args.files.first().map_or_else(|| "FILE".to_owned(), |file| file.to_string_lossy().into_owned());
     let instead = format!("ballstick render {file} -o picture.png");
     report.fail_with(&format!("this ballstick was built without the window; draw a picture instead: {instead}"));
     Ok(())

@@ -230,6 +230,13 @@ impl Document {
         self.records.iter().map(|record| record.frames().len()).sum()
     }
 
+    /// The structure of frame `index` (from 0, all records together), with that frame alone; `None` if there is no such frame.
+    #[must_use]
+    pub fn at_frame(&self, index: usize) -> Option<Structure> {
+        let (record, frame) = self.frame(index)?;
+        self.records.get(record)?.at_frame(frame)
+    }
+
     /// Record, and frame in that record, of frame `index` (from 0) of the file; `None` if there is no such frame.
     #[must_use]
     pub fn frame(&self, index: usize) -> Option<(usize, usize)> {

@@ -17,6 +17,7 @@ pub mod lens;
 pub mod opacity;
 pub mod outline;
 pub mod overlay;
+pub mod pick;
 pub mod select;
 pub mod settings;
 pub mod sky;
@@ -28,6 +29,7 @@ mod test_solids;
 pub mod tubes;
 
 pub use image::{GBuffer, Image, SkyVisibility};
+pub use pick::Picker;
 pub use select::{Choice, Selection, select};
 pub use settings::{Quality, Settings, View};
 

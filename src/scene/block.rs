@@ -8,8 +8,10 @@ use super::shapes::ConeInstance;
 use super::sticks::{self, StickContext};
 use super::wedges::{self, Wedge};
 use super::{AltlocChoice, Block, Item, SceneOptions, Style};
+use crate::bonds;
 use crate::color::Srgb8;
 use crate::crystal::Stub;
+use crate::element::Element;
 use crate::structure::{Bond, BondKind, BondOrder, ByAtom, Structure, atom_flags};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -19,7 +21,7 @@ pub(super) fn build(item: &Item<'_>, options: &SceneOptions) -> Block {
     let structure = item.structure;
     let positions = structure.positions().relative();
     let atom_count = structure.atom_count();
-    let shown = shown_atoms(structure, options.altloc);
+    let shown = shown_atoms(structure, options);
     let is_shown = |atom: u32| shown.as_ref().is_none_or(|shown| shown[atom as usize]);
     // Where nothing repeats in the picture, a bond to an image has no end.
     let is_drawn = |bond: &Bond| !bond.is_periodic() && is_shown(bond.a) && is_shown(bond.b);
@@ -278,7 +280,23 @@ impl Artist<'_> {
 }
 
 /// Which atoms are drawn; `None` for all of them.
-fn shown_atoms(structure: &Structure, choice: AltlocChoice) -> Option<Vec<bool>> {
+fn shown_atoms(structure: &Structure, options: &SceneOptions) -> Option<Vec<bool>> {
+    let mut shown = chosen_altlocs(structure, options.altloc);
+    if !options.water {
+        let all = || vec![true; structure.atom_count()];
+        let waters = bonds::waters(structure);
+        shown.get_or_insert_with(all).iter_mut().zip(waters).for_each(|(shown, water)| *shown &= !water);
+    }
+    if !options.hydrogens {
+        let all = || vec![true; structure.atom_count()];
+        let elements = structure.elements();
+        shown.get_or_insert_with(all).iter_mut().zip(elements).for_each(|(shown, &e)| *shown &= e != Element::H);
+    }
+    shown
+}
+
+/// Whether each atom is of the chosen alternate location; `None` if all are.
+fn chosen_altlocs(structure: &Structure, choice: AltlocChoice) -> Option<Vec<bool>> {
     if choice == AltlocChoice::All || !structure.has_altlocs() {
         return None;
     }
@@ -315,7 +333,6 @@ fn shown_atoms(structure: &Structure, choice: AltlocChoice) -> Option<Vec<bool>>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::element::Element;
     use crate::structure::{AtomRecord, BondOrder, BondSource, Diagnostics, StructureBuilder};
     use glam::DVec3;
 
@@ -340,11 +357,32 @@ mod tests {
     #[test]
     fn one_alternate_location_is_drawn() {
         let structure = altloc_structure();
-        let shown = |choice| shown_atoms(&structure, choice).unwrap();
+        let options = |altloc| SceneOptions { altloc, ..SceneOptions::default() };
+        let shown = |altloc| shown_atoms(&structure, &options(altloc)).unwrap();
         assert_eq!(shown(AltlocChoice::Highest), [true, false, true, false, true]);
         assert_eq!(shown(AltlocChoice::Code(b'A')), [true, true, false, true, false]);
         assert_eq!(shown(AltlocChoice::Code(b'Z')), [true, false, true, false, true]);
-        assert_eq!(shown_atoms(&structure, AltlocChoice::All), None);
+        assert_eq!(shown_atoms(&structure, &options(AltlocChoice::All)), None);
+    }
+
+    #[test]
+    fn water_and_hydrogens_can_be_left_out() {
+        let text = b"8\n\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\nC 5 0 0\nH 6.09 0 0\nH 4.64 1.03 0\nH 4.64 -0.51 0.89\nH 4.64 -0.51 -0.89\n";
+        let document = crate::import::read_bytes(text, "a.xyz", &Default::default()).unwrap();
+        let structure = crate::bonds::assign(document.records[0].clone(), &Default::default());
+        let shown = |hydrogens, water| {
+            let options = SceneOptions { hydrogens, water, ..SceneOptions::default() };
+            let shown = shown_atoms(&structure, &options).unwrap();
+            (0..8).filter(|&atom| shown[atom]).collect::<Vec<_>>()
+        };
+        assert_eq!(shown(true, false), [3, 4, 5, 6, 7]);
+        assert_eq!(shown(false, true), [0, 3]);
+        assert_eq!(shown(false, false), [3]);
+        let peptide = b"\
+ATOM      1  CA  GLY A   1       0.000   0.000   0.000  1.00 10.00           C  \n\
+HETATM    2  O   HOH A   2       9.000   0.000   0.000  1.00 10.00           O  \n";
+        let document = crate::import::read_bytes(peptide, "a.pdb", &Default::default()).unwrap();
+        assert_eq!(crate::bonds::waters(&document.records[0]), [false, true]);
     }
 
     fn pair(kind: BondKind) -> Structure {

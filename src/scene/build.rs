@@ -5,6 +5,7 @@ use super::axes::{self, Axes};
 use super::coloring::ColorBy;
 use super::light::{Background, DepthOfField, Ground, LightFrame, Lighting};
 use super::look::Look;
+use super::measure::{self, Measurement};
 use super::overlay::{self, OverlayOptions};
 use super::vectors::{self, VectorChoice};
 use super::{Block, Placement, Scene, Style, block, cell_box, fit, meshes, wedges};
@@ -82,6 +83,20 @@ pub enum Orientation {
     },
 }
 
+/// How coordinates of the file become those of the world: `world = turn · (file − center)`.
+///
+/// A scene that is built with the pose of another one stands as that does, whatever of it is shown: frames of a trajectory and
+/// molecules that come and go do not move the others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// What comes to the middle of the world, in the coordinates of the file, ångström.
+    pub center: DVec3,
+    /// The turn.
+    pub turn: Quat,
+    /// How far the default camera looks down, radians.
+    pub pitch_rad: f32,
+}
+
 /// What to build.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneOptions {
@@ -93,6 +108,14 @@ pub struct SceneOptions {
     pub altloc: AltlocChoice,
     /// Turn. Default: automatic.
     pub orientation: Orientation,
+    /// Where everything stands, in place of what the orientation says. Default: `None`.
+    pub pose: Option<Pose>,
+    /// Whether hydrogens are drawn. Default: true.
+    pub hydrogens: bool,
+    /// Whether water molecules are drawn. Default: true.
+    pub water: bool,
+    /// Distances, angles and dihedrals that are marked and labelled. Default: none.
+    pub measurements: Vec<Measurement>,
     /// Whether the default camera is a perspective one. Default: true.
     pub perspective: bool,
     /// Whether there is a ground. Default: true.
@@ -141,6 +164,10 @@ impl Default for SceneOptions {
             color_by: ColorBy::default(),
             altloc: AltlocChoice::default(),
             orientation: Orientation::default(),
+            pose: None,
+            hydrogens: true,
+            water: true,
+            measurements: Vec::new(),
             perspective: true,
             ground: true,
             background: Background::default(),
@@ -166,7 +193,7 @@ impl Default for SceneOptions {
 
 pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
     // One centre for all items, so that numbers stay small wherever the file puts its molecule.
-    let center = common_center(items);
+    let center = options.pose.map_or_else(|| common_center(items), |pose| pose.center);
     let mut blocks = Vec::with_capacity(items.len());
     let mut placements = Vec::with_capacity(items.len());
     let mut next_id = 0u32;
@@ -197,6 +224,9 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
     }
     let mut scene = Scene::from_blocks(blocks, placements);
     let (turn, pitch) = match options.orientation {
+        _ if options.pose.is_some_and(|pose| pose.turn.is_finite()) => {
+            options.pose.map_or((Quat::IDENTITY, 0.0), |pose| (pose.turn, pose.pitch_rad))
+        }
         Orientation::Auto => {
             let centers = || scene.world_spheres().map(|(center, _)| center);
             let turn = fit::principal_rotation(centers());
@@ -223,9 +253,21 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
     for placement in &mut scene.placements {
         placement.world_from_block = Affine3A::from_quat(turn) * placement.world_from_block;
     }
+    scene.pose = Pose { center, turn, pitch_rad: pitch };
+    scene.items = places.iter().map(|&(_, at)| at).collect();
     scene.bounds = scene.find_bounds();
     if options.axes {
         add_axes(&mut scene, items, center, turn, next_id);
+    }
+    let marks = measure::marks(&scene, &options.measurements);
+    if !marks.block.cylinders.is_empty() {
+        let first_id = scene.placements.iter().fold(0, |last, placement| {
+            last.max(placement.first_id.saturating_add(scene.blocks[placement.block].id_count))
+        });
+        let blocks = Arc::make_mut(&mut scene.blocks);
+        blocks.push(marks.block);
+        let placement = Placement { block: blocks.len() - 1, world_from_block: Affine3A::IDENTITY, first_id };
+        scene.placements.push(placement);
     }
     scene.world_from_view = Quat::from_rotation_x(-pitch);
     scene.perspective = options.perspective;
@@ -233,7 +275,10 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
     scene.depth_of_field = options.depth_of_field;
     scene.background = options.background;
     scene.set_ground(options.ground);
-    scene.overlay = Arc::new(overlay::build(&scene, &places, &options.text, options.color_by));
+    let mut overlay = overlay::build(&scene, &places, &options.text, options.color_by);
+    // Before those of atoms: they were asked for one by one.
+    overlay.labels.splice(0..0, marks.labels);
+    scene.overlay = Arc::new(overlay);
     scene
 }
 

@@ -21,16 +21,7 @@ impl Scene {
         let axis = direction_or(view_axis, Vec3::Z).to_array();
         let mut halos = Vec::with_capacity(ids.len());
         for &id in ids {
-            let ball = self.placements.iter().find_map(|placement| {
-                let block = &self.blocks[placement.block];
-                let own = id.checked_sub(placement.first_id).filter(|own| (1..=block.id_count).contains(own))?;
-                // Balls stand in the order of their ids wherever structures were drawn.
-                let found = block.spheres.binary_search_by_key(&own, |sphere| sphere.id).ok();
-                let found = found.or_else(|| block.spheres.iter().position(|sphere| sphere.id == own))?;
-                let sphere = &block.spheres[found];
-                Some((placement.world_from_block.transform_point3(sphere.center.into()), sphere.radius))
-            });
-            let Some((center, radius)) = ball else { continue };
+            let Some((center, radius)) = self.ball(id) else { continue };
             let tube_radius = (TUBE.0 * radius).max(TUBE.1);
             let ring_radius = (RING * radius).max(radius + 2.0 * tube_radius);
             let center = center.to_array();

@@ -18,29 +18,33 @@ mod haptic;
 mod instances;
 mod light;
 mod look;
+mod measure;
 mod meshes;
 mod overlay;
 mod shapes;
 mod sticks;
 mod style;
 mod vectors;
+mod viewpoint;
 mod wedges;
 
 pub use aromatic::Aromatic;
 pub use axes::Axes;
-pub use build::{AltlocChoice, Item, Orientation, SceneOptions};
+pub use build::{AltlocChoice, Item, Orientation, Pose, SceneOptions};
 pub use camera::{Camera, PixelGrid, Projection, Ray, Region};
 pub use coloring::ColorBy;
 pub use instances::{Cap, CylinderInstance, SphereInstance};
 pub use light::{Background, DepthOfField, Ground, LightFrame, Lighting, Outline};
 pub use look::Look;
+pub use measure::{AtomPlace, Measurement, measured};
 pub use overlay::{Label, LabelContent, LegendRow, Overlay, OverlayOptions};
 pub use shapes::{ConeInstance, TorusInstance, TriangleInstance};
 pub use style::Style;
 pub use vectors::{VectorChoice, VectorScale, vector_scales};
+pub use viewpoint::Viewpoint;
 
 use crate::math::Aabb;
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, DVec3, Quat, Vec3};
 use std::sync::Arc;
 
 /// Primitives in a space of their own.
@@ -94,6 +98,10 @@ pub struct Scene {
     pub perspective: bool,
     /// The arrows along the axes, if there are any.
     pub axes: Option<Axes>,
+    /// How coordinates of the files became those of the world.
+    pub pose: Pose,
+    /// Index into [`Scene::placements`] of every structure that the scene was built from.
+    pub items: Vec<usize>,
     bounds: Aabb,
 }
 
@@ -129,6 +137,8 @@ impl Scene {
             world_from_view: Quat::IDENTITY,
             perspective: true,
             axes: None,
+            pose: Pose { center: DVec3::ZERO, turn: Quat::IDENTITY, pitch_rad: 0.0 },
+            items: Vec::new(),
             bounds: Aabb::EMPTY,
         };
         scene.bounds = scene.find_bounds();
@@ -193,6 +203,46 @@ impl Scene {
     #[must_use]
     pub fn fitted_camera(&self, aspect: f32) -> Camera {
         fit::frame(self.world_extent(), self.world_from_view, self.perspective, aspect)
+    }
+
+    /// The structure and the number in it, from 0, of the atom or bond of an id: first all atoms, then the bonds. `None` for what is
+    /// no structure's.
+    #[must_use]
+    pub fn item_of(&self, id: u32) -> Option<(usize, u32)> {
+        self.items.iter().enumerate().find_map(|(item, &at)| {
+            let placement = self.placements.get(at)?;
+            let own = id.checked_sub(placement.first_id)?.checked_sub(1)?;
+            (own < self.blocks[placement.block].id_count).then_some((item, own))
+        })
+    }
+
+    /// The id of an atom of a structure.
+    #[must_use]
+    pub fn id_of(&self, AtomPlace { item, atom }: AtomPlace) -> Option<u32> {
+        let placement = self.placements.get(*self.items.get(item as usize)?)?;
+        placement.first_id.checked_add(atom)?.checked_add(1)
+    }
+
+    /// Centre and radius of the ball of an id, world space; `None` if there is none.
+    #[must_use]
+    pub fn ball(&self, id: u32) -> Option<(Vec3, f32)> {
+        self.placements.iter().find_map(|placement| {
+            let block = &self.blocks[placement.block];
+            let own = id.checked_sub(placement.first_id).filter(|own| (1..=block.id_count).contains(own))?;
+            // Balls stand in the order of their ids wherever structures were drawn.
+            let found = block.spheres.binary_search_by_key(&own, |sphere| sphere.id).ok();
+            let found = found.or_else(|| block.spheres.iter().position(|sphere| sphere.id == own))?;
+            let sphere = &block.spheres[found];
+            Some((placement.world_from_block.transform_point3(sphere.center.into()), sphere.radius))
+        })
+    }
+
+    /// Takes light, background, projection and whether there is a ground from options that ask for the same primitives.
+    pub fn relight(&mut self, options: &SceneOptions) {
+        self.perspective = options.perspective;
+        self.lighting = options.look.lighting();
+        self.background = options.background;
+        self.set_ground(options.ground);
     }
 
     /// Puts a ground under the scene, or takes it away.

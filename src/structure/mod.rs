@@ -383,6 +383,38 @@ impl Structure {
         self.formal_charge.iter().any(|&charge| charge != 0)
     }
 
+    /// A copy with frame `index` as its first and only one, the others not copied; `None` if there is no such frame.
+    #[must_use]
+    pub fn at_frame(&self, index: usize) -> Option<Structure> {
+        let frame = self.frames.get(index)?.clone();
+        Some(Structure {
+            title: self.title.clone(),
+            names: self.names.clone(),
+            element: self.element.clone(),
+            atom_name: self.atom_name.clone(),
+            serial: self.serial.clone(),
+            residue_of_atom: self.residue_of_atom.clone(),
+            flags: self.flags.clone(),
+            altloc: self.altloc.clone(),
+            occupancy: self.occupancy.clone(),
+            b_factor: self.b_factor.clone(),
+            formal_charge: self.formal_charge.clone(),
+            partial_charge: self.partial_charge.clone(),
+            isotope: self.isotope.clone(),
+            radical: self.radical.clone(),
+            residues: self.residues.clone(),
+            chains: self.chains.clone(),
+            bonds: self.bonds.clone(),
+            stated_bonds: self.stated_bonds,
+            bond_stereo: self.bond_stereo.clone(),
+            frames: vec![frame],
+            secondary: self.secondary.clone(),
+            symmetry: self.symmetry.clone(),
+            components: self.components.clone(),
+            properties: self.properties.clone(),
+        })
+    }
+
     /// The same structure with frame `index` as its first and only one; `None` if there is no such frame.
     #[must_use]
     pub fn with_only_frame(mut self, index: usize) -> Option<Structure> {

@@ -13,6 +13,7 @@ const LAYERS: &[&[&str]] = &[
     &["scene"],
     &["render"],
     &["export"],
+    &["session"],
     &["cli", "app"],
 ];
 

@@ -84,33 +84,39 @@ fn the_window_shows_turns_zooms_and_saves_what_render_draws() {
             return;
         }
     };
-    let folder = tempfile::tempdir().unwrap();
+    let (folder, preferences) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data/caffeine.sdf");
-    let said = tempfile::NamedTempFile::new().unwrap();
-    let mut window = Running(
-        Command::new(BALLSTICK)
-            .arg(&file)
-            .args(["--renderer", "cpu"])
-            .env("DISPLAY", &display)
-            .env_remove("WAYLAND_DISPLAY")
-            .current_dir(&folder)
-            .stdout(Stdio::null())
-            .stderr(said.reopen().unwrap())
-            .spawn()
-            .unwrap(),
-    );
-    let started = Instant::now();
-    let id = wait_for("the window", || {
-        // A program that has ended, or that says why it waits, is worth more than the time-out.
-        let ended = window.0.try_wait().unwrap();
-        let is_late = started.elapsed() > Duration::from_secs(50);
-        let text = || std::fs::read_to_string(said.path()).unwrap_or_default();
-        assert!(ended.is_none() && !is_late, "no window, {ended:?}: {:?}", text());
-        Some(xdotool(&display, &["search", "--name", "caffeine"])).filter(|id| !id.is_empty())
-    });
-    xdotool(&display, &["windowsize", "--sync", &id, "400", "300"]);
-    xdotool(&display, &["windowfocus", &id]);
-    xdotool(&display, &["mousemove", "200", "150"]);
+    // A window on a file, 400 × 300 pixels, which is too narrow for the panel.
+    let open = |file: &Path| {
+        let said = tempfile::NamedTempFile::new().unwrap();
+        let mut window = Running(
+            Command::new(BALLSTICK)
+                .arg(file)
+                .args(["--renderer", "cpu"])
+                .env("DISPLAY", &display)
+                .env("XDG_CONFIG_HOME", preferences.path())
+                .env_remove("WAYLAND_DISPLAY")
+                .current_dir(&folder)
+                .stdout(Stdio::null())
+                .stderr(said.reopen().unwrap())
+                .spawn()
+                .unwrap(),
+        );
+        let started = Instant::now();
+        let id = wait_for("the window", || {
+            // A program that has ended, or that says why it waits, is worth more than the time-out.
+            let ended = window.0.try_wait().unwrap();
+            let is_late = started.elapsed() > Duration::from_secs(50);
+            let text = || std::fs::read_to_string(said.path()).unwrap_or_default();
+            assert!(ended.is_none() && !is_late, "no window, {ended:?}: {:?}", text());
+            Some(xdotool(&display, &["search", "--name", "caffeine"])).filter(|id| !id.is_empty())
+        });
+        xdotool(&display, &["windowsize", "--sync", &id, "400", "300"]);
+        xdotool(&display, &["windowfocus", &id]);
+        xdotool(&display, &["mousemove", "200", "150"]);
+        window
+    };
+    let mut window = open(&file);
 
     let first = wait_for("the new size", || {
         // The window learns its size when the event comes; pictures saved before it have the old one.
@@ -154,9 +160,29 @@ fn the_window_shows_turns_zooms_and_saves_what_render_draws() {
     std::thread::sleep(Duration::from_millis(200));
     assert!(screenshot(&display, next()) == first, "reset brings the first view back");
 
-    xdotool(&display, &["key", "q"]);
-    let status = wait_for("the end", || window.0.try_wait().unwrap());
-    assert!(status.success());
+    // A session keeps style and view, and another window shows the same.
+    changed("licorice from the side", &[&["key", "2"], &["key", "Left"], &["key", "Left"]]);
+    let seen = seen.pop().unwrap();
+    xdotool(&display, &["key", "ctrl+s"]);
+    std::thread::sleep(Duration::from_millis(300));
+    xdotool(&display, &["key", "Return"]);
+    let session = folder.path().join("caffeine.ballstick.json");
+    wait_for("the session", || session.exists().then_some(()));
+    let quit = |window: &mut Running| {
+        xdotool(&display, &["key", "q"]);
+        wait_for("the end", || window.0.try_wait().unwrap())
+    };
+    assert!(quit(&mut window).success());
+    let mut window = open(&session);
+    let again = wait_for("the new size", || {
+        let number = std::fs::read_dir(&folder).unwrap().count();
+        let path = folder.path().join(format!("caffeine-{number}.png"));
+        Some(screenshot(&display, path)).filter(|(width, height, _)| (*width, *height) == (400, 300))
+    });
+    // Numbers are written with all their digits, and the eye is found from them again.
+    let differing = seen.2.iter().zip(&again.2).filter(|(a, b)| a.abs_diff(**b) > 2).count();
+    assert!(differing * 1000 < seen.2.len(), "{differing} of {} bytes differ", seen.2.len());
+    assert!(quit(&mut window).success());
 }
 
 #[test]

@@ -18,15 +18,21 @@ mod draw;
 mod gbuffer;
 mod ground;
 mod instances;
+#[cfg(feature = "window")]
+mod interface;
 pub mod layout;
 mod passes;
 pub mod shaders;
 mod sky;
 mod targets;
+#[cfg(feature = "window")]
 mod window;
 
 pub use adapter::{AdapterReport, AdapterWish, adapters};
 pub use device::Work;
+#[cfg(feature = "window")]
+pub use interface::UserInterface;
+#[cfg(feature = "window")]
 pub use window::{Accumulation, WindowSurface};
 
 use super::frame::FrameConstants;

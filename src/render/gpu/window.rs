@@ -3,6 +3,7 @@
 use super::adapter;
 use super::device::{Gpu, view_of};
 use super::ground::write_rows;
+use super::interface::{PICTURE_FORMAT, Painter, UserInterface};
 use super::layout::{IMAGE_FORMAT, TEXT_FORMAT};
 use super::passes::resolve::ResolvePipeline;
 use super::targets::Targets;
@@ -36,6 +37,7 @@ pub struct WindowSurface {
     configuration: wgpu::SurfaceConfiguration,
     pipeline: ResolvePipeline,
     sum: Accumulation,
+    painter: Painter,
 }
 
 impl WindowSurface {
@@ -63,8 +65,9 @@ impl GpuRenderer {
         let renderer = GpuRenderer::on(gpu)?;
         let configuration = configuration(&surface.get_capabilities(&adapter), size_px)?;
         let passes = &renderer.passes;
-        let pipeline = passes.resolve.for_window(&renderer.gpu, &passes.frame, configuration.format)?;
-        let mut window = WindowSurface { surface, configuration, pipeline, sum: Accumulation::default() };
+        let pipeline = passes.resolve.for_window(&renderer.gpu, &passes.frame, PICTURE_FORMAT)?;
+        let painter = Painter::new(&renderer.gpu, configuration.format)?;
+        let mut window = WindowSurface { surface, configuration, pipeline, sum: Accumulation::default(), painter };
         renderer.configure(&mut window, size_px)?;
         Ok((renderer, window))
     }
@@ -87,8 +90,8 @@ impl GpuRenderer {
         })
     }
 
-    /// Adds samples `done..done + add` of the loaded scene to those summed for this view, and shows their mean. With
-    /// `done` 0 the sum starts anew; anything that changes the picture must start it. The view is the window's size. Pictures of one
+    /// Adds samples `done..done + add` of the loaded scene to those summed for this view, and shows their mean with an interface over it.
+    /// With `done` 0 the sum starts anew; anything that changes the picture must start it. Pictures of one
     /// sample, in motion, have no labels.
     ///
     /// A window that is hidden or too slow to take the picture is no error: the samples are summed, the next call shows them.
@@ -102,15 +105,20 @@ impl GpuRenderer {
         settings: &Settings,
         done: u32,
         add: u32,
+        mut over: UserInterface<'_>,
     ) -> Result<()> {
+        self.gpu.guard("drawing the interface", || {
+            window.painter.update(&self.gpu, &mut over.textures);
+            Ok(())
+        })?;
         // What a finished picture's light takes may take its time: something is shown before.
         let key_in_world = self.constants(&self.scene(), view, settings).key_in_world();
         if done == 0 && asks(settings) && !self.sky.is_ready(key_in_world, settings) {
             self.accumulate(&mut window.sum, view, &GLANCE, 0, 1)?;
-            self.show(window)?;
+            self.show(window, &over, true)?;
         }
         self.accumulate(&mut window.sum, view, settings, done, add)?;
-        self.show(window)
+        self.show(window, &over, done == 0 || add > 0)
     }
 
     /// Adds samples to a picture as [`GpuRenderer::present`] does, without showing it.
@@ -153,11 +161,20 @@ impl GpuRenderer {
         Ok(())
     }
 
-    /// Shows the picture if the window takes it.
-    fn show(&self, window: &mut WindowSurface) -> Result<()> {
+    /// Shows the picture, which may have changed, under the interface, if the window takes it.
+    fn show(&self, window: &mut WindowSurface, over: &UserInterface<'_>, is_new: bool) -> Result<()> {
+        let size = window.sum.targets.as_ref().map_or([1, 1], |(_, size)| *size);
+        self.gpu.guard("finishing the picture", || {
+            let (picture, is_blank) = window.painter.picture(&self.gpu, size);
+            if is_blank || is_new {
+                self.resolve(&window.sum, &window.pipeline, &picture, size);
+            }
+            Ok(())
+        })?;
         let Some(texture) = self.acquire(window)? else { return Ok(()) };
         self.gpu.guard("showing the picture", || {
-            self.resolve(&window.sum, &window.pipeline, &view_of(&texture.texture), window.size_px());
+            let size = window.size_px();
+            window.painter.paint(&self.gpu, &view_of(&texture.texture), size, over)?;
             self.gpu.queue.present(texture);
             Ok(())
         })

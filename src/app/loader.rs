@@ -1,0 +1,194 @@
+//! Files are read on threads of their own: the window never waits for a disk, and a large file can be given up.
+
+use super::build::{Maker, Waker};
+use super::work::Source;
+use crate::crystal::CrystalOptions;
+use crate::error::{Error, Result};
+use crate::import::{self, Document, ImportOptions};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::Instant;
+
+/// What is part of the program: its name, what it shows, its file.
+pub(super) struct Sample {
+    pub(super) name: &'static str,
+    pub(super) says: &'static str,
+    file: &'static str,
+    bytes: &'static [u8],
+}
+
+macro_rules! sample {
+    ($name:literal, $says:literal, $file:literal) => {
+        Sample { name: $name, says: $says, file: $file, bytes: include_bytes!(concat!("../../data/", $file)) }
+    };
+}
+
+/// Molecules to begin with.
+pub(super) const SAMPLES: [Sample; 6] = [
+    sample!("Caffeine", "a small molecule with its bonds", "caffeine.sdf"),
+    sample!("Crambin", "a protein of 46 residues", "1crn.pdb"),
+    sample!("DNA", "with a protein that reads it", "1lcd.pdb.gz"),
+    sample!("Ferrocene", "iron between two rings", "ferrocene.xyz"),
+    sample!("Quartz", "a crystal, its cell drawn", "quartz.cif"),
+    sample!("Ethane", "a methyl group turns, frame by frame", "ethane-rotation.xyz"),
+];
+
+/// How far a file is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stage {
+    Reading = 0,
+    Bonds = 1,
+    Done = 2,
+}
+
+/// A file that was read: what was loaded, and what there is to say.
+pub(super) struct Loaded {
+    pub(super) load: u32,
+    pub(super) source: Source,
+    pub(super) result: Result<Arc<Document>>,
+}
+
+/// A file that is being read.
+pub(super) struct Load {
+    pub(super) id: u32,
+    pub(super) source: Source,
+    pub(super) started: Instant,
+    /// The layer in whose place it comes, with the frame that was shown.
+    pub(super) replaces: Option<u32>,
+    stage: Arc<AtomicU8>,
+    cancelled: Arc<AtomicBool>,
+}
+
+impl Load {
+    pub(super) fn stage(&self) -> Stage {
+        match self.stage.load(Ordering::Relaxed) {
+            0 => Stage::Reading,
+            1 => Stage::Bonds,
+            _ => Stage::Done,
+        }
+    }
+}
+
+/// All files that are being read.
+pub(super) struct Loader {
+    maker: Arc<Maker>,
+    wake: Waker,
+    sender: Sender<Loaded>,
+    receiver: Receiver<Loaded>,
+    under_way: Vec<Load>,
+    next: u32,
+}
+
+impl Loader {
+    pub(super) fn new(maker: Arc<Maker>, wake: Waker) -> Loader {
+        let (sender, receiver) = channel();
+        Loader { maker, wake, sender, receiver, under_way: Vec::new(), next: 1 }
+    }
+
+    /// Begins to read.
+    pub(super) fn start(&mut self, source: Source, crystal: CrystalOptions, replaces: Option<u32>) {
+        let (stage, cancelled) = (Arc::new(AtomicU8::new(0)), Arc::new(AtomicBool::new(false)));
+        let id = self.next;
+        self.next += 1;
+        let load = Load {
+            id,
+            source: source.clone(),
+            started: Instant::now(),
+            replaces,
+            stage: Arc::clone(&stage),
+            cancelled: Arc::clone(&cancelled),
+        };
+        let (maker, wake, sender) = (Arc::clone(&self.maker), Arc::clone(&self.wake), self.sender.clone());
+        let work = move || {
+            let result = guarded(|| read(&source, &crystal, &maker, &stage, &cancelled));
+            stage.store(Stage::Done as u8, Ordering::Relaxed);
+            // The window may be gone.
+            let _ = sender.send(Loaded { load: id, source, result });
+            wake();
+        };
+        match std::thread::Builder::new().name("read".to_owned()).spawn(work) {
+            Ok(_) => self.under_way.push(load),
+            Err(error) => {
+                let result = Err(Error::Unsupported(format!("the system gives no thread to read on: {error}")));
+                let _ = self.sender.send(Loaded { load: id, source: load.source, result });
+            }
+        }
+    }
+
+    /// What is being read.
+    pub(super) fn under_way(&self) -> &[Load] {
+        &self.under_way
+    }
+
+    /// Gives up all that is being read. What a reader is in the middle of it finishes; nobody sees it.
+    pub(super) fn cancel(&mut self) {
+        for load in self.under_way.drain(..) {
+            load.cancelled.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// The files that were read since the last call, with what each replaces; none that was given up.
+    pub(super) fn finished(&mut self) -> Vec<(Loaded, Option<u32>)> {
+        let mut finished = Vec::new();
+        while let Ok(loaded) = self.receiver.try_recv() {
+            self.sort(loaded, &mut finished);
+        }
+        finished
+    }
+
+    /// Waits until all is read.
+    pub(super) fn wait(&mut self) -> Vec<(Loaded, Option<u32>)> {
+        let mut finished = Vec::new();
+        while !self.under_way.is_empty() {
+            match self.receiver.recv() {
+                Ok(loaded) => self.sort(loaded, &mut finished),
+                Err(_) => break,
+            }
+        }
+        finished
+    }
+
+    fn sort(&mut self, loaded: Loaded, finished: &mut Vec<(Loaded, Option<u32>)>) {
+        match self.under_way.iter().position(|load| load.id == loaded.load) {
+            Some(index) => {
+                let load = self.under_way.remove(index);
+                finished.push((loaded, load.replaces));
+            }
+            // One that could not even start is told; one that was given up is not.
+            None if loaded.result.is_err() && loaded.load + 1 == self.next => finished.push((loaded, None)),
+            None => {}
+        }
+    }
+}
+
+fn read(
+    source: &Source,
+    crystal: &CrystalOptions,
+    maker: &Maker,
+    stage: &AtomicU8,
+    cancelled: &AtomicBool,
+) -> Result<Arc<Document>> {
+    let options = ImportOptions::default();
+    let document = match source {
+        Source::File(path) => import::read_path(path, &options)?,
+        Source::Sample(name) => {
+            let sample = SAMPLES.iter().find(|sample| sample.name == *name);
+            let sample = sample.ok_or_else(|| Error::Unsupported(format!("there is no sample called {name}")))?;
+            import::read_bytes(sample.bytes, sample.file, &options)?
+        }
+    };
+    let document = Arc::new(document);
+    if !cancelled.load(Ordering::Relaxed) {
+        stage.store(Stage::Bonds as u8, Ordering::Relaxed);
+        maker.drawn(&document, 0, crystal)?;
+    }
+    Ok(document)
+}
+
+/// A panic, which is a bug of ours, becomes an error: the window stays open.
+fn guarded<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+    catch_unwind(AssertUnwindSafe(work))
+        .unwrap_or_else(|_| Err(Error::Unsupported("a bug in ballstick; please report it with the file".to_owned())))
+}

@@ -1,0 +1,267 @@
+//! Which atoms are picked, and what there is to say of an atom or bond.
+
+use super::state::State;
+use super::work::AtomKey;
+use crate::crystal::Drawn;
+use crate::scene::{AtomPlace, measured};
+use crate::structure::{Bond, BondKind, BondOrder, Structure};
+use glam::{DVec3, Vec3};
+use std::collections::HashSet;
+use std::fmt::Write;
+use std::sync::Arc;
+
+/// What is under the pointer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Target {
+    Atom(AtomKey),
+    /// A bond of a layer, by its index.
+    Bond(u32, u32),
+}
+
+/// What an id of the scene stands for.
+pub(super) fn target(state: &State, id: u32) -> Option<Target> {
+    let (item, own) = state.built.scene.item_of(id)?;
+    let (layer, drawn) = state.built.drawn.get(item)?;
+    let atoms = u32::try_from(drawn.structure.atom_count()).ok()?;
+    if own < atoms {
+        return Some(Target::Atom(AtomKey { layer: *layer, atom: own }));
+    }
+    ((own - atoms) as usize).lt(&drawn.structure.bonds().len()).then_some(Target::Bond(*layer, own - atoms))
+}
+
+/// What is drawn of a layer.
+pub(super) fn drawn(state: &State, layer: u32) -> Option<&Arc<Drawn>> {
+    state.built.drawn.iter().find(|(id, _)| *id == layer).map(|(_, drawn)| drawn)
+}
+
+/// The id in the scene of an atom.
+pub(super) fn id_of(state: &State, key: AtomKey) -> Option<u32> {
+    let item = state.built.drawn.iter().position(|(id, _)| *id == key.layer)?;
+    state.built.scene.id_of(AtomPlace { item: u32::try_from(item).ok()?, atom: key.atom })
+}
+
+/// Centre and radius of an atom's ball in the scene; `None` if it is not drawn.
+pub(super) fn ball(state: &State, key: AtomKey) -> Option<(Vec3, f32)> {
+    state.built.scene.ball(id_of(state, key)?)
+}
+
+/// Where an atom is in the file, with all digits.
+fn position(state: &State, key: AtomKey) -> Option<DVec3> {
+    let structure = &drawn(state, key.layer)?.structure;
+    ((key.atom as usize) < structure.atom_count()).then(|| structure.positions().get(key.atom as usize))
+}
+
+/// What two, three or four atoms measure.
+pub(super) fn measure(state: &State, atoms: &[AtomKey]) -> Option<String> {
+    let points: Option<Vec<DVec3>> = atoms.iter().map(|&key| position(state, key)).collect();
+    measured(&points?)
+}
+
+/// The middle of the picked atoms.
+pub(super) fn middle(state: &State) -> Option<Vec3> {
+    let centers: Vec<Vec3> = state.work.picked.iter().filter_map(|&key| Some(ball(state, key)?.0)).collect();
+    (!centers.is_empty()).then(|| centers.iter().sum::<Vec3>() / centers.len() as f32)
+}
+
+/// Picks one atom alone, or none; while measuring it is added.
+pub(super) fn pick(state: &mut State, key: Option<AtomKey>) {
+    match key {
+        Some(key) if state.measuring => toggle(state, key),
+        Some(key) => state.work.picked = Arc::new(vec![key]),
+        None if state.measuring => {}
+        None => state.work.picked = Arc::default(),
+    }
+}
+
+/// Adds an atom, or takes it away. A fifth one begins a new measurement.
+pub(super) fn toggle(state: &mut State, key: AtomKey) {
+    let is_full = state.measuring && state.work.picked.len() >= 4;
+    let picked = Arc::make_mut(&mut state.work.picked);
+    match picked.iter().position(|other| *other == key) {
+        Some(index) => {
+            picked.remove(index);
+        }
+        None if is_full => *picked = vec![key],
+        None => picked.push(key),
+    }
+}
+
+fn keys(state: &State, mut of: impl FnMut(u32, &Structure, usize) -> bool) -> Vec<AtomKey> {
+    let mut keys = Vec::new();
+    for (layer, drawn) in &state.built.drawn {
+        let atoms = (0..drawn.structure.atom_count()).filter(|&atom| of(*layer, &drawn.structure, atom));
+        keys.extend(atoms.map(|atom| AtomKey { layer: *layer, atom: u32::try_from(atom).unwrap_or(u32::MAX) }));
+    }
+    keys
+}
+
+/// Picks all atoms.
+pub(super) fn all(state: &mut State) {
+    state.work.picked = Arc::new(keys(state, |_, _, _| true));
+}
+
+/// From atoms to their residues, to their chains, to all; without residues at once to all.
+pub(super) fn more(state: &mut State) {
+    let picked: HashSet<AtomKey> = state.work.picked.iter().copied().collect();
+    if picked.is_empty() {
+        return;
+    }
+    let group = |structure: &Structure, atom: usize, by_chain: bool| {
+        let residue = structure.residue_index(atom)?;
+        Some(if by_chain { structure.residues()[residue].chain as usize } else { residue })
+    };
+    for by_chain in [false, true] {
+        let mut groups: HashSet<(u32, usize)> = HashSet::new();
+        for (layer, drawn) in &state.built.drawn {
+            let own = picked.iter().filter(|key| key.layer == *layer);
+            groups.extend(own.filter_map(|key| Some((*layer, group(&drawn.structure, key.atom as usize, by_chain)?))));
+        }
+        let more = keys(state, |layer, structure, atom| {
+            group(structure, atom, by_chain).is_some_and(|group| groups.contains(&(layer, group)))
+        });
+        if more.len() > picked.len() {
+            state.work.picked = Arc::new(more);
+            return;
+        }
+    }
+    all(state);
+}
+
+/// Lets go of picked atoms and measurements that are not there any more.
+pub(super) fn keep_what_is_there(state: &mut State) {
+    let counts: Vec<(u32, usize)> =
+        state.built.drawn.iter().map(|(id, drawn)| (*id, drawn.structure.atom_count())).collect();
+    // Those of hidden layers wait for them to come back.
+    let is_there = |key: &AtomKey| {
+        counts.iter().find(|(id, _)| *id == key.layer).is_none_or(|&(_, count)| (key.atom as usize) < count)
+    };
+    if !state.work.picked.iter().all(is_there) {
+        state.work.picked = Arc::new(state.work.picked.iter().copied().filter(is_there).collect());
+    }
+    state.work.measurements.retain(|atoms| atoms.iter().all(is_there));
+}
+
+/// An atom in a few words: `CA of GLY 12 in chain A`, `C3`.
+pub(super) fn short_name(structure: &Structure, atom: usize) -> String {
+    let symbol = structure.elements().get(atom).map_or("?", |element| element.symbol());
+    match structure.residue_index(atom).and_then(|index| structure.residues().get(index)) {
+        Some(residue) => {
+            let name = structure.atom_name(atom).trim();
+            let name = if name.is_empty() { symbol } else { name };
+            let mut text = format!("{name} of {} {}", structure.name(residue.name), residue.number);
+            if residue.insertion_code != b' ' {
+                text.push(char::from(residue.insertion_code));
+            }
+            let chain = structure.chains().nth(residue.chain as usize).unwrap_or("").trim().to_owned();
+            if !chain.is_empty() {
+                let _ = write!(text, " in chain {chain}");
+            }
+            text
+        }
+        None => format!("{symbol}{}", atom + 1),
+    }
+}
+
+fn order_name(bond: &Bond) -> &'static str {
+    match (bond.kind, bond.aromatic, bond.order) {
+        (BondKind::Covalent, true, _) => "aromatic",
+        (BondKind::Covalent, false, BondOrder::Single) => "single",
+        (BondKind::Covalent, false, BondOrder::Double) => "double",
+        (BondKind::Covalent, false, BondOrder::Triple) => "triple",
+        (BondKind::Covalent, false, BondOrder::Quadruple) => "quadruple",
+        (BondKind::Covalent, false, BondOrder::Unknown) => "of unknown order",
+        (BondKind::Coordination, ..) => "coordination",
+        (BondKind::Dative, ..) => "dative",
+        (BondKind::Hydrogen, ..) => "hydrogen bond",
+    }
+}
+
+fn source_name(bond: &Bond) -> &'static str {
+    use crate::structure::BondSource;
+    match bond.source {
+        BondSource::File => "from the file",
+        BondSource::Link => "a link of the file",
+        BondSource::Dictionary => "from the dictionary",
+        BondSource::Distance => "by distance",
+    }
+}
+
+/// Length of a bond, its image where it goes to one.
+fn bond_length(structure: &Structure, bond: &Bond) -> f64 {
+    let [a, b] = [bond.a, bond.b].map(|atom| structure.positions().get(atom as usize));
+    let shift = structure.cell().map_or(DVec3::ZERO, |cell| {
+        let [x, y, z] = cell.vectors();
+        let [i, j, k] = bond.image.map(f64::from);
+        x * i + y * j + z * k
+    });
+    a.distance(b + shift)
+}
+
+/// Bonds of an atom that are told; a metal in a lattice has more than fit a tooltip.
+const MOST_BONDS: usize = 8;
+
+/// What there is to say of an atom: a heading, and facts by name.
+pub(super) fn about_atom(drawn: &Drawn, atom: usize) -> (String, Vec<(String, String)>) {
+    let structure = &drawn.structure;
+    let mut facts = Vec::new();
+    let mut fact = |name: &str, value: String| facts.push((name.to_owned(), value));
+    let element = structure.elements()[atom];
+    let charge = structure.formal_charge(atom);
+    let charged = match charge {
+        0 => String::new(),
+        -1 => "−".to_owned(),
+        1 => "+".to_owned(),
+        n if n < 0 => format!("{}−", n.unsigned_abs()),
+        n => format!("{n}+"),
+    };
+    let heading = format!("{} {}{charged}", element.name(), element.symbol());
+    if let Some(residue) = structure.residue_index(atom).and_then(|index| structure.residues().get(index)) {
+        let name = structure.atom_name(atom).trim();
+        if !name.is_empty() {
+            fact("Name", name.to_owned());
+        }
+        let code = Some(char::from(residue.insertion_code)).filter(|code| *code != ' ');
+        let code = code.map(String::from).unwrap_or_default();
+        fact("Residue", format!("{} {}{code}", structure.name(residue.name), residue.number));
+        let chain = structure.chains().nth(residue.chain as usize).unwrap_or("").trim();
+        if !chain.is_empty() {
+            fact("Chain", chain.to_owned());
+        }
+    }
+    let listed = drawn.listed.get(atom).map_or(atom, |&listed| listed as usize);
+    fact("Number", (listed + 1).to_string());
+    let p = structure.positions().get(atom);
+    fact("Position", format!("{:.3}  {:.3}  {:.3} Å", p.x, p.y, p.z));
+    if structure.altloc(atom) != b' ' {
+        let altloc = char::from(structure.altloc(atom));
+        fact("Location", format!("{altloc}, occupancy {:.2}", structure.occupancy(atom)));
+    }
+    if let Some(charge) = structure.partial_charge(atom) {
+        fact("Charge", format!("{charge:+.3}"));
+    }
+    let index = u32::try_from(atom).unwrap_or(u32::MAX);
+    let own: Vec<&Bond> = structure.bonds().iter().filter(|bond| bond.a == index || bond.b == index).collect();
+    for bond in own.iter().take(MOST_BONDS) {
+        let other = if bond.a == index { bond.b } else { bond.a } as usize;
+        let partner = short_name(structure, other);
+        let length = bond_length(structure, bond);
+        fact("Bond", format!("{partner}: {length:.3} Å, {}, {}", order_name(bond), source_name(bond)));
+    }
+    if own.len() > MOST_BONDS {
+        fact("", format!("and {} more bonds", own.len() - MOST_BONDS));
+    }
+    (heading, facts)
+}
+
+/// What there is to say of a bond.
+pub(super) fn about_bond(drawn: &Drawn, bond: usize) -> Option<(String, Vec<(String, String)>)> {
+    let structure = &drawn.structure;
+    let bond = structure.bonds().get(bond)?;
+    let [a, b] = [bond.a, bond.b].map(|atom| short_name(structure, atom as usize));
+    let facts = vec![
+        ("Length".to_owned(), format!("{:.3} Å", bond_length(structure, bond))),
+        ("Order".to_owned(), order_name(bond).to_owned()),
+        ("Known".to_owned(), source_name(bond).to_owned()),
+    ];
+    Some((format!("{a} – {b}"), facts))
+}

@@ -1,0 +1,166 @@
+//! Sessions in the window: what is saved, what is opened, and the command line of the picture.
+//!
+//! The files of a session are read one after the other as they come; the settings, the picked atoms and the measurements are put in
+//! place when the last one is there, as one step that can be undone.
+
+use super::state::State;
+use super::work::{AtomKey, Layer, Source, Work};
+use crate::scene::Viewpoint;
+use crate::session::{Atom, File, Session, Settings};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A session that is being opened.
+pub(super) struct Opening {
+    session: Session,
+    settings: Settings,
+    /// A place for each file, in their order.
+    layers: Vec<Option<Layer>>,
+}
+
+/// Whether a file is a session.
+pub(super) fn is_session(path: &Path) -> bool {
+    use std::io::Read;
+    let Ok(file) = std::fs::File::open(path) else { return false };
+    let mut start = Vec::new();
+    // Where it cannot be read the reader of molecules says so.
+    file.take(4096).read_to_end(&mut start).is_ok() && Session::is_one(&start)
+}
+
+/// The work as a session.
+pub(super) fn of(state: &State) -> Session {
+    let work = &state.work;
+    let viewpoint = (!state.built.drawn.is_empty()).then(|| Viewpoint::of(&state.built.scene, &work.camera));
+    let settings = Settings {
+        scene: work.scene.clone(),
+        crystal: work.crystal,
+        cell_box: work.cell_box,
+        quality: work.quality,
+        viewpoint,
+    };
+    let mut session = Session::of(&settings);
+    // Samples have no file; they are named after the program's own data.
+    let file = |layer: &Layer| File {
+        path: match &layer.source {
+            Source::File(path) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
+            Source::Sample(name) => PathBuf::from(format!("{SAMPLE}{name}")),
+        },
+        frame: u32::try_from(layer.frame + 1).unwrap_or(u32::MAX),
+        visible: layer.visible,
+    };
+    session.files = work.layers.iter().map(file).collect();
+    session.fitted = work.fitted;
+    let atom = |key: &AtomKey| -> Option<Atom> {
+        let file = work.layers.iter().position(|layer| layer.id == key.layer)?;
+        Some([u32::try_from(file + 1).ok()?, key.atom.checked_add(1)?])
+    };
+    session.picked = work.picked.iter().filter_map(atom).collect();
+    let whole = |atoms: &Vec<AtomKey>| atoms.iter().map(atom).collect::<Option<Vec<Atom>>>();
+    session.measurements = work.measurements.iter().filter_map(whole).collect();
+    session
+}
+
+/// What stands before the name of a sample in the place of a path.
+const SAMPLE: &str = "sample:";
+
+/// The command line that makes the picture on the screen.
+pub(super) fn command_line(state: &State) -> String {
+    let mut session = of(state);
+    if session.fitted {
+        // The same fitted view in a picture of the same shape, unless frames or hidden molecules have their say in the pose.
+        let is_plain = session.files.len() == 1
+            && session.files[0].frame == 1
+            && state.options.scene.orientation == Default::default();
+        if is_plain {
+            session.camera = None;
+        }
+    }
+    session.command_line(state.view_px)
+}
+
+/// Where a session would be saved.
+pub(super) fn proposed(state: &State) -> String {
+    format!("{}.ballstick.json", state.stem())
+}
+
+/// Saves the session.
+pub(super) fn save(state: &mut State, path: &Path) {
+    let session = of(state);
+    if session.files.iter().any(|file| file.path.to_string_lossy().starts_with(SAMPLE)) {
+        return state
+            .complain("A session keeps the paths of files, and a sample has none: open the molecule from a file.");
+    }
+    match session.write(path) {
+        Ok(()) => {
+            state.shown.session = None;
+            state.say(format!("Saved the session {}", path.display()));
+        }
+        Err(error) => state.complain(error.to_string()),
+    }
+}
+
+/// Opens a session in place of what is there.
+pub(super) fn open(state: &mut State, path: &Path) {
+    let read = Session::read(path).and_then(|session| Ok((session.settings()?, session)));
+    let (settings, session) = match read {
+        Ok(read) => read,
+        Err(error) => return state.complain(format!("{}: {error}", path.display())),
+    };
+    state.preferences.opened(path);
+    for file in &session.files {
+        state.loader.start(Source::File(file.path.clone()), settings.crystal, None);
+    }
+    let layers = session.files.iter().map(|_| None).collect();
+    state.opening = Some(Opening { session, settings, layers });
+    finish(state);
+}
+
+/// A file could not be read: a session that waits for it is not opened.
+pub(super) fn failed(state: &mut State) {
+    if state.opening.take().is_some() {
+        state.loader.cancel();
+        state.complain("The session is not opened: one of its files cannot be read.");
+    }
+}
+
+/// Takes a file that was read if a session waits for it.
+pub(super) fn arrived(state: &mut State, layer: &Layer) -> bool {
+    let Some(opening) = &mut state.opening else { return false };
+    let is_it = |(file, place): &(&File, &mut Option<Layer>)| {
+        place.is_none() && layer.source == Source::File(file.path.clone())
+    };
+    let Some((file, place)) = opening.session.files.iter().zip(&mut opening.layers).find(is_it) else { return false };
+    let last = layer.document.frame_count().saturating_sub(1);
+    let frame = (file.frame as usize).saturating_sub(1).min(last);
+    *place = Some(Layer { frame, visible: file.visible, ..layer.clone() });
+    finish(state);
+    true
+}
+
+/// Puts the session in place once all its files are there.
+fn finish(state: &mut State) {
+    let is_whole = state.opening.as_ref().is_some_and(|opening| opening.layers.iter().all(Option::is_some));
+    let Some(Opening { session, settings, layers }) = state.opening.take_if(|_| is_whole) else { return };
+    let layers: Vec<Layer> = layers.into_iter().flatten().collect();
+    let key = |&[file, atom]: &Atom| -> Option<AtomKey> {
+        let layer = layers.get(file.checked_sub(1)? as usize)?;
+        Some(AtomKey { layer: layer.id, atom: atom.checked_sub(1)? })
+    };
+    let before = state.work.clone();
+    let measurement = |atoms: &Vec<Atom>| atoms.iter().map(key).collect::<Option<Vec<_>>>();
+    let work = Work {
+        picked: Arc::new(session.picked.iter().filter_map(key).collect()),
+        measurements: session.measurements.iter().filter_map(measurement).collect(),
+        scene: crate::scene::SceneOptions { overlay: before.scene.overlay.clone(), ..settings.scene },
+        crystal: settings.crystal,
+        cell_box: settings.cell_box,
+        quality: settings.quality,
+        camera: before.camera,
+        fitted: session.fitted || settings.viewpoint.is_none(),
+        layers,
+    };
+    state.options.viewpoint = settings.viewpoint.filter(|_| !session.fitted);
+    state.work = work;
+    state.history.push(before, "open session", None);
+    state.update();
+}

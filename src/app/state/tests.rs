@@ -1,0 +1,339 @@
+use super::*;
+use crate::app::pictures::Dialog;
+use crate::scene::{ColorBy, Look, Style};
+use std::path::PathBuf;
+
+/// A state without a window.
+pub(in crate::app) fn state() -> State {
+    State::new(Options::default(), Preferences::default(), Arc::new(|| {}))
+}
+
+/// The same with files of `data/`.
+pub(in crate::app) fn opened(names: &[&str]) -> State {
+    let mut state = state();
+    for name in names {
+        state.apply(Action::Open(data(name)));
+    }
+    state.wait_for_files();
+    settle(&mut state);
+    assert!(state.notices.iter().all(|notice| !notice.is_error), "{:?}", state.notices);
+    state
+}
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(name)
+}
+
+/// Waits until nothing is under way.
+pub(in crate::app) fn settle(state: &mut State) {
+    for _ in 0..2000 {
+        state.poll();
+        if state.loader.under_way().is_empty() && !state.is_building() && state.pictures.under_way == 0 {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("something never ends");
+}
+
+fn key(state: &State, atom: u32) -> AtomKey {
+    AtomKey { layer: state.work.layers[0].id, atom }
+}
+
+#[test]
+fn a_file_opens_fitted_and_closes_to_nothing() {
+    let mut state = opened(&["caffeine.sdf"]);
+    assert_eq!(state.built.scene.sphere_count(), 24);
+    assert!(state.work.fitted && state.work.scene.pose.is_some());
+    assert_eq!(state.title(), "caffeine.sdf – ballstick");
+    let camera = state.work.camera;
+    state.set_view_px([400, 800]);
+    assert_ne!(state.work.camera, camera, "a fitted view follows the window");
+    state.apply(Action::CloseAll);
+    assert_eq!((state.built.scene.sphere_count(), state.title().as_str()), (0, "ballstick"));
+}
+
+#[test]
+fn files_keep_the_order_in_which_they_were_asked_for() {
+    let state = opened(&["1crn.pdb", "caffeine.sdf", "benzene.xyz"]);
+    let names: Vec<String> = state.work.layers.iter().map(|layer| layer.source.name()).collect();
+    assert_eq!(names, ["1crn.pdb", "caffeine.sdf", "benzene.xyz"]);
+}
+
+#[test]
+fn what_cannot_be_read_is_said_and_changes_nothing() {
+    let mut state = opened(&["caffeine.sdf"]);
+    let version = state.version;
+    state.apply(Action::Open("/no/such/file.pdb".into()));
+    state.wait_for_files();
+    assert!(state.notices[0].is_error && state.notices[0].text.contains("/no/such/file.pdb"), "{:?}", state.notices);
+    assert_eq!((state.work.layers.len(), state.version), (1, version));
+}
+
+#[test]
+fn everything_can_be_undone_and_done_again() {
+    let mut state = opened(&["caffeine.sdf"]);
+    let pick = key(&state, 3);
+    let also = key(&state, 5);
+    let steps = [
+        Action::Style(Style::Licorice),
+        Action::ColorBy(ColorBy::Chain),
+        Action::Look(Look::Dark),
+        Action::Ground(false),
+        Action::Hydrogens(false),
+        Action::Pick(Some(pick)),
+        Action::PickAlso(also),
+        Action::Measure,
+        Action::Perspective(false),
+        Action::Center,
+        Action::HydrogenBonds(true),
+        Action::ShowLayer(state.work.layers[0].id, false),
+        Action::CloseAll,
+    ];
+    let mut works = vec![state.work.clone()];
+    for step in steps {
+        state.apply(step.clone());
+        assert!(state.work != works[works.len() - 1], "{step:?} changes something");
+        works.push(state.work.clone());
+    }
+    for expected in works.iter().rev().skip(1) {
+        state.apply(Action::Undo);
+        assert!(state.work == *expected);
+    }
+    // The first step is the opening itself.
+    state.apply(Action::Undo);
+    assert!(state.work.layers.is_empty());
+    state.apply(Action::Redo);
+    for expected in &works[1..] {
+        state.apply(Action::Redo);
+        assert!(state.work == *expected);
+    }
+    let before = state.work.clone();
+    state.apply(Action::Redo);
+    assert!(state.work == before, "there is no more");
+}
+
+#[test]
+fn a_drag_is_one_step_and_the_scene_is_not_made_anew_for_light() {
+    let mut state = opened(&["caffeine.sdf"]);
+    let blocks = Arc::clone(&state.built.scene.blocks);
+    let start = state.work.clone();
+    for _ in 0..10 {
+        state.apply(Action::Turn(1, 0));
+    }
+    state.apply(Action::Look(Look::Soft));
+    state.apply(Action::Ground(false));
+    assert!(Arc::ptr_eq(&blocks, &state.built.scene.blocks));
+    assert_eq!(state.built.scene.lighting, Look::Soft.lighting());
+    for _ in 0..3 {
+        state.apply(Action::Undo);
+    }
+    assert!(state.work == start);
+    state.apply(Action::Style(Style::Wireframe));
+    assert!(!Arc::ptr_eq(&blocks, &state.built.scene.blocks));
+}
+
+#[test]
+fn what_is_hidden_does_not_move_what_is_shown() {
+    let mut state = opened(&["caffeine.sdf", "benzene.xyz"]);
+    let center = picking::ball(&state, key(&state, 0)).unwrap().0;
+    let other = state.work.layers[1].id;
+    state.apply(Action::ShowLayer(other, false));
+    assert_eq!(state.built.scene.sphere_count(), 24);
+    assert!(picking::ball(&state, key(&state, 0)).unwrap().0.distance(center) < 1e-4);
+    assert_eq!(picking::ball(&state, AtomKey { layer: other, atom: 0 }), None);
+}
+
+#[test]
+fn picks_grow_to_residues_chains_and_all() {
+    let mut state = opened(&["1crn.pdb"]);
+    state.apply(Action::Pick(Some(key(&state, 0))));
+    let mut counts = vec![state.work.picked.len()];
+    for _ in 0..2 {
+        state.apply(Action::PickMore);
+        counts.push(state.work.picked.len());
+    }
+    assert_eq!(counts, [1, 7, 327], "an atom, the first threonine, the only chain");
+    state.apply(Action::Escape);
+    assert!(state.work.picked.is_empty());
+}
+
+#[test]
+fn two_atoms_are_measured_as_in_the_file_and_marked_in_the_scene() {
+    let mut state = opened(&["caffeine.sdf"]);
+    state.apply(Action::Measure);
+    assert!(state.measuring);
+    // While measuring plain clicks gather.
+    state.apply(Action::Pick(Some(key(&state, 0))));
+    state.apply(Action::Pick(Some(key(&state, 1))));
+    state.apply(Action::Pick(None));
+    let structure = &state.built.drawn[0].1.structure;
+    let expected = structure.positions().get(0).distance(structure.positions().get(1));
+    assert_eq!(picking::measure(&state, &state.work.picked), Some(format!("{expected:.3} Å")));
+    state.apply(Action::Measure);
+    assert!(state.measuring && state.work.picked.is_empty());
+    assert_eq!(state.work.measurements.len(), 1);
+    assert_eq!(state.built.scene.overlay.labels.len(), 1);
+    state.apply(Action::ForgetMeasurements);
+    assert!(state.built.scene.overlay.labels.is_empty());
+}
+
+#[test]
+fn what_is_under_a_point_is_told_with_its_bonds() {
+    let state = opened(&["1crn.pdb"]);
+    let (heading, facts) = picking::about_atom(&state.built.drawn[0].1, 1);
+    let fact =
+        |name: &str| facts.iter().filter(|(n, _)| n == name).map(|(_, value)| value.as_str()).collect::<Vec<_>>();
+    assert_eq!(heading, "Carbon C");
+    assert_eq!(
+        (fact("Name"), fact("Residue"), fact("Chain"), fact("Number")),
+        (vec!["CA"], vec!["THR 1"], vec!["A"], vec!["2"])
+    );
+    assert_eq!(fact("Position"), ["16.967  12.784  4.338 Å"]);
+    assert_eq!(fact("Bond").len(), 3);
+    assert!(fact("Bond")[0].starts_with("N of THR 1 in chain A: 1.4") && fact("Bond")[0].contains("dictionary"));
+}
+
+#[test]
+fn frames_step_play_and_stop_at_the_end() {
+    let mut state = opened(&["ethane-rotation.xyz"]);
+    let count = state.work.frame_count();
+    assert!(count > 2);
+    let frame = |state: &State| state.work.layers[0].frame;
+    state.apply(Action::Step(-1));
+    assert_eq!(frame(&state), count - 1, "in a loop");
+    state.apply(Action::Loop(false));
+    state.apply(Action::Step(1));
+    assert_eq!(frame(&state), count - 1);
+    state.apply(Action::FirstFrame);
+    state.apply(Action::Play(true));
+    let mut now = Instant::now();
+    for _ in 0..count + 2 {
+        state.play(now);
+        now += Duration::from_secs(1);
+    }
+    assert_eq!((frame(&state), state.playing.on), (count - 1, false));
+}
+
+#[test]
+fn a_session_brings_all_back_in_another_window() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.ballstick.json");
+    let mut state = opened(&["1crn.pdb", "ethane-rotation.xyz"]);
+    let ethane = state.work.layers[1].id;
+    state.apply(Action::Frame(ethane, 4));
+    state.apply(Action::Style(Style::Licorice));
+    state.apply(Action::Pick(Some(key(&state, 10))));
+    state.apply(Action::PickAlso(key(&state, 20)));
+    state.apply(Action::Measure);
+    state.apply(Action::Pick(Some(AtomKey { layer: ethane, atom: 2 })));
+    state.apply(Action::Turn(3, 1));
+    state.apply(Action::SaveSession(path.clone()));
+    assert_eq!(state.notices.last().map(|notice| notice.is_error), Some(false));
+
+    let mut other = self::state();
+    other.apply(Action::Open(path));
+    other.wait_for_files();
+    settle(&mut other);
+    assert!(other.notices.is_empty(), "{:?}", other.notices);
+    assert_eq!(other.built.scene.overlay.labels, state.built.scene.overlay.labels);
+    assert_eq!((other.work.layers[1].frame, other.work.scene.style), (4, Style::Licorice));
+    assert_eq!((other.work.picked.len(), other.work.picked[0].atom), (1, 2));
+    let (a, b) = (other.work.camera, state.work.camera);
+    assert!(a.eye.distance(b.eye) < 1e-3 && a.world_from_view.abs_diff_eq(b.world_from_view, 1e-6));
+    assert!(!other.work.fitted);
+    other.apply(Action::Undo);
+    assert!(other.work.layers.is_empty(), "opening a session is a step");
+}
+
+#[test]
+fn a_session_whose_file_is_gone_leaves_everything_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, path) = (folder.path().join("a.xyz"), folder.path().join("s.json"));
+    std::fs::write(&file, "1\n\nO 0 0 0\n").unwrap();
+    let mut state = self::state();
+    state.apply(Action::Open(file.clone()));
+    state.wait_for_files();
+    state.apply(Action::SaveSession(path.clone()));
+    std::fs::remove_file(file).unwrap();
+    let mut state = opened(&["caffeine.sdf"]);
+    state.apply(Action::Open(path));
+    state.wait_for_files();
+    settle(&mut state);
+    assert_eq!(state.built.scene.sphere_count(), 24);
+    let texts: Vec<&str> = state.notices.iter().map(|notice| notice.text.as_str()).collect();
+    assert!(texts.iter().any(|text| text.contains("a.xyz")) && texts.iter().any(|text| text.contains("not opened")));
+}
+
+#[test]
+fn a_file_that_changed_is_read_again_in_the_same_view() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.xyz");
+    std::fs::write(&file, "2\n\nO 0 0 0\nO 3 0 0\n").unwrap();
+    let mut state = self::state();
+    state.apply(Action::Open(file.clone()));
+    state.wait_for_files();
+    state.apply(Action::Turn(2, 0));
+    let camera = state.work.camera;
+    std::fs::write(&file, "3\n\nO 0 0 0\nO 3 0 0\nO 0 3 0\n").unwrap();
+    state.apply(Action::Reload);
+    state.wait_for_files();
+    assert_eq!((state.built.scene.sphere_count(), state.work.layers.len()), (3, 1));
+    assert_eq!((state.work.camera.eye, state.work.camera.target), (camera.eye, camera.target));
+}
+
+#[test]
+fn pictures_are_saved_as_they_are_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("p.png");
+    let mut state = opened(&["benzene.xyz"]);
+    state.set_view_px([96, 64]);
+    let dialog = Dialog {
+        path: path.display().to_string(),
+        transparent: true,
+        quality: crate::render::Quality::Draft,
+        ..Dialog::new(&state)
+    };
+    assert_eq!((dialog.width, dialog.height), (96, 64));
+    pictures::save(&mut state, &dialog);
+    settle(&mut state);
+    let mut reader =
+        png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&path).unwrap())).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    assert_eq!((info.width, info.height, info.color_type), (96, 64, png::ColorType::Rgba));
+    for (name, what) in [("p.txt", "png"), ("p.jpg", "transparent")] {
+        state.notices.clear();
+        pictures::save(&mut state, &Dialog { path: folder.path().join(name).display().to_string(), ..dialog.clone() });
+        settle(&mut state);
+        assert!(state.notices[0].is_error && state.notices[0].text.contains(what), "{:?}", state.notices);
+    }
+}
+
+#[test]
+fn the_command_line_draws_the_same_view() {
+    let mut state = opened(&["caffeine.sdf"]);
+    state.set_view_px([300, 200]);
+    assert!(!sessions::command_line(&state).contains("--camera"), "a fitted view needs none");
+    state.apply(Action::Turn(1, 1));
+    state.apply(Action::Measuring(true));
+    state.apply(Action::Pick(Some(key(&state, 0))));
+    state.apply(Action::Pick(Some(key(&state, 4))));
+    state.apply(Action::Measure);
+    let line = sessions::command_line(&state);
+    assert!(line.contains("caffeine.sdf -o picture.png --size 300x200 --measure 1,5 --camera "), "{line}");
+}
+
+#[test]
+fn escape_leaves_one_thing_at_a_time() {
+    let mut state = opened(&["caffeine.sdf"]);
+    state.apply(Action::Pick(Some(key(&state, 0))));
+    state.apply(Action::Palette(true));
+    state.apply(Action::Escape);
+    assert!(!state.shown.palette && !state.work.picked.is_empty());
+    state.apply(Action::Escape);
+    assert!(state.work.picked.is_empty());
+    state.apply(Action::Measure);
+    state.apply(Action::Escape);
+    assert!(!state.measuring);
+}

@@ -1,0 +1,95 @@
+//! The command line that draws a session's picture.
+
+use super::{Session, Settings, TRANSPARENT};
+use crate::bonds::BondOptions;
+use crate::crystal::CrystalOptions;
+use crate::render::Quality;
+use crate::scene::SceneOptions;
+use std::borrow::Cow;
+
+impl Session {
+    /// `ballstick render …` for a picture of this size, with the flags that differ from the usual; quoted for a POSIX shell. Frames are
+    /// said if all files show the same one: there is one flag for all.
+    #[must_use]
+    pub fn command_line(&self, [width, height]: [u32; 2]) -> String {
+        let usual = Session::of(&Settings {
+            scene: SceneOptions::default(),
+            crystal: CrystalOptions { bonds: BondOptions::default(), ..CrystalOptions::default() },
+            cell_box: None,
+            quality: Quality::default(),
+            viewpoint: None,
+        });
+        let mut words: Vec<String> = vec!["ballstick".to_owned(), "render".to_owned()];
+        let shown: Vec<_> = self.files.iter().filter(|file| file.visible).collect();
+        for file in &shown {
+            let path = file.path.to_string_lossy();
+            // A name that begins with a dash is no flag.
+            words.push(if path.starts_with('-') { format!("./{path}") } else { path.into_owned() });
+        }
+        words.extend(["-o".to_owned(), "picture.png".to_owned(), "--size".to_owned(), format!("{width}x{height}")]);
+        let mut flag = |name: &str, value: &str, is_usual: bool| {
+            if !is_usual {
+                words.extend([format!("--{name}"), value.to_owned()]);
+            }
+        };
+        let [a, b, c] = self.supercell;
+        flag("style", &self.style, self.style == usual.style);
+        flag("color-by", &self.color_by, self.color_by == usual.color_by);
+        flag("look", &self.look, self.look == usual.look);
+        let of_look = crate::scene::Look::from_name(&self.look).unwrap_or_default().background().to_string();
+        flag("background", &self.background, self.background == of_look && self.background != TRANSPARENT);
+        flag("projection", &self.projection, self.projection == usual.projection);
+        flag("altloc", &self.altloc, self.altloc == usual.altloc);
+        flag("aromatic", &self.aromatic, self.aromatic == usual.aromatic);
+        flag("vectors", &self.vectors, self.vectors == usual.vectors);
+        let scale = self.vector_scale.map(|scale| scale.to_string());
+        flag("vector-scale", scale.as_deref().unwrap_or_default(), scale.is_none());
+        flag("label", &self.label.join(","), self.label.is_empty());
+        flag("label-size", &self.label_size.to_string(), self.label_size == usual.label_size);
+        flag("bonds", &self.bonds, self.bonds == usual.bonds);
+        flag("cell", &self.cell, self.cell == usual.cell);
+        flag("supercell", &format!("{a}x{b}x{c}"), self.supercell == usual.supercell);
+        flag("quality", &self.quality, self.quality == usual.quality);
+        let frame = shown.first().map_or(1, |file| file.frame);
+        let same = shown.iter().all(|file| file.frame == frame);
+        flag("frame", &frame.to_string(), frame == 1 || !same);
+        for measurement in &self.measurements {
+            // Files are counted as they are named here.
+            let place = |&[file, atom]: &[u32; 2]| {
+                let before = self.files.iter().take(file.saturating_sub(1) as usize);
+                let number = 1 + before.filter(|file| file.visible).count();
+                if number == 1 { atom.to_string() } else { format!("{number}:{atom}") }
+            };
+            let is_shown = |&[file, _]: &[u32; 2]| {
+                self.files.get(file.saturating_sub(1) as usize).is_some_and(|file| file.visible)
+            };
+            let atoms: Vec<String> = measurement.iter().map(place).collect();
+            flag("measure", &atoms.join(","), !measurement.iter().all(is_shown));
+        }
+        flag("camera", self.camera.as_deref().unwrap_or_default(), self.camera.is_none());
+        let switches = [
+            ("no-ground", !self.ground),
+            ("no-hydrogens", !self.hydrogens),
+            ("no-water", !self.water),
+            ("haptic", self.haptic),
+            ("axes", self.axes),
+            ("legend", self.legend),
+            ("scale-bar", self.scale_bar),
+            ("hbonds", self.hbonds),
+            ("cell-box", self.cell_box == Some(true)),
+            ("no-cell-box", self.cell_box == Some(false)),
+        ];
+        words.extend(switches.iter().filter(|(_, on)| *on).map(|(name, _)| format!("--{name}")));
+        let quoted: Vec<Cow<'_, str>> = words.iter().map(|word| quoted(word)).collect();
+        quoted.join(" ")
+    }
+}
+
+/// A word as a shell reads it.
+fn quoted(word: &str) -> Cow<'_, str> {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_=+./:,@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return Cow::Borrowed(word);
+    }
+    Cow::Owned(format!("'{}'", word.replace('\'', r"'\''")))
+}

@@ -1,0 +1,347 @@
+//! Sessions: all that makes a picture, written down as JSON, and as the command line that draws it.
+//!
+//! Every setting has the name of its flag, and stands there even where it is the usual one, so that a session draws the same picture with
+//! a later version that has other defaults. Reading is strict: a name, field or number that means nothing is an error that says
+//! where. Paths are kept relative to the session's folder where the files lie in or below it, so that both can be moved together.
+//!
+//! Limits: meshes laid over the molecule are not kept. Atoms are kept by number, so a file that was changed may have others there.
+
+mod command;
+
+use crate::bonds::{BondMode, BondOptions};
+use crate::crystal::{CellChoice, CrystalOptions};
+use crate::error::{Error, Result};
+use crate::export::atomic;
+use crate::render::Quality;
+use crate::scene::{
+    AltlocChoice, Aromatic, Background, ColorBy, LabelContent, Look, OverlayOptions, SceneOptions, Style, VectorChoice,
+    Viewpoint,
+};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// The version of the format that is written, and the newest that is read.
+pub const VERSION: u32 = 1;
+
+/// A file of a session.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct File {
+    /// Where it is.
+    pub path: PathBuf,
+    /// The frame that is shown, counted from 1 through all records.
+    pub frame: u32,
+    /// Whether it is shown.
+    pub visible: bool,
+}
+
+/// An atom: the number of its file in the session and its own in what is drawn of that, both from 1.
+pub type Atom = [u32; 2];
+
+/// All that makes a picture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Session {
+    /// The version of the format: [`VERSION`].
+    pub ballstick_session: u32,
+    /// The molecules.
+    pub files: Vec<File>,
+    /// `--style`.
+    pub style: String,
+    /// `--color-by`.
+    pub color_by: String,
+    /// `--look`.
+    pub look: String,
+    /// `--background`.
+    pub background: String,
+    /// `--ground`.
+    pub ground: bool,
+    /// `--projection`.
+    pub projection: String,
+    /// Where the molecule stands and the camera is (`--camera`); `null` for the fitted view.
+    pub camera: Option<String>,
+    /// Whether the view follows the shape of the window.
+    pub fitted: bool,
+    /// `--no-hydrogens` if false.
+    pub hydrogens: bool,
+    /// `--no-water` if false.
+    pub water: bool,
+    /// `--altloc`.
+    pub altloc: String,
+    /// `--aromatic`.
+    pub aromatic: String,
+    /// `--haptic`.
+    pub haptic: bool,
+    /// `--vectors`.
+    pub vectors: String,
+    /// `--vector-scale`; `null` for one that is chosen.
+    pub vector_scale: Option<f32>,
+    /// `--axes`.
+    pub axes: bool,
+    /// `--label`.
+    pub label: Vec<String>,
+    /// `--label-size`.
+    pub label_size: f32,
+    /// `--legend`.
+    pub legend: bool,
+    /// `--scale-bar`.
+    pub scale_bar: bool,
+    /// `--bonds`.
+    pub bonds: String,
+    /// `--hbonds`.
+    pub hbonds: bool,
+    /// `--cell`.
+    pub cell: String,
+    /// `--supercell`.
+    pub supercell: [u32; 3],
+    /// `--cell-box`, `--no-cell-box`; `null` leaves it to what is drawn.
+    pub cell_box: Option<bool>,
+    /// `--quality`.
+    pub quality: String,
+    /// The picked atoms in their order.
+    pub picked: Vec<Atom>,
+    /// `--measure`: two, three or four atoms each.
+    pub measurements: Vec<Vec<Atom>>,
+}
+
+/// The settings of a session as the library knows them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// What is built.
+    pub scene: SceneOptions,
+    /// What is drawn of crystals, and how bonds are found.
+    pub crystal: CrystalOptions,
+    /// Whether the cell's edges are drawn.
+    pub cell_box: Option<bool>,
+    /// Effort.
+    pub quality: Quality,
+    /// The view; `None` for the fitted one.
+    pub viewpoint: Option<Viewpoint>,
+}
+
+impl Session {
+    /// With these settings and nothing else.
+    #[must_use]
+    pub fn of(settings: &Settings) -> Session {
+        let Settings { scene, crystal, cell_box, quality, viewpoint } = settings;
+        let labels = scene.text.labels;
+        let named =
+            [("element", labels.element), ("index", labels.index), ("name", labels.name), ("residue", labels.residue)];
+        Session {
+            ballstick_session: VERSION,
+            files: Vec::new(),
+            style: scene.style.name().to_owned(),
+            color_by: scene.color_by.name().to_owned(),
+            look: scene.look.name().to_owned(),
+            background: match scene.background {
+                Background::Color(color) => color.to_string(),
+                Background::Transparent => TRANSPARENT.to_owned(),
+            },
+            ground: scene.ground,
+            projection: if scene.perspective { PERSPECTIVE } else { ORTHOGRAPHIC }.to_owned(),
+            camera: viewpoint.map(|viewpoint| viewpoint.to_string()),
+            fitted: false,
+            hydrogens: scene.hydrogens,
+            water: scene.water,
+            altloc: match scene.altloc {
+                AltlocChoice::Highest => "highest".to_owned(),
+                AltlocChoice::All => "all".to_owned(),
+                AltlocChoice::Code(code) => char::from(code).to_string(),
+            },
+            aromatic: scene.aromatic.name().to_owned(),
+            haptic: scene.haptic,
+            vectors: scene.vectors.name().to_owned(),
+            vector_scale: scene.vector_scale,
+            axes: scene.axes,
+            label: named.into_iter().filter(|&(_, on)| on).map(|(name, _)| name.to_owned()).collect(),
+            label_size: scene.text.size,
+            legend: scene.text.legend,
+            scale_bar: scene.text.scale_bar,
+            bonds: crystal.bonds.mode.name().to_owned(),
+            hbonds: crystal.bonds.hydrogen_bonds,
+            cell: crystal.cell.name().to_owned(),
+            supercell: crystal.supercell,
+            cell_box: *cell_box,
+            quality: quality.name().to_owned(),
+            picked: Vec::new(),
+            measurements: Vec::new(),
+        }
+    }
+
+    /// The settings.
+    ///
+    /// # Errors
+    /// [`Error::Input`] that names the field whose value means nothing.
+    pub fn settings(&self) -> Result<Settings> {
+        let labels = self.labels()?;
+        let size = self.label_size;
+        if !(0.2..=5.0).contains(&size) {
+            return Err(wrong("label_size", &size.to_string(), "a number from 0.2 to 5"));
+        }
+        if self.vector_scale.is_some_and(|scale| !(scale.is_finite() && scale > 0.0)) {
+            return Err(wrong("vector_scale", "this number", "a number above 0"));
+        }
+        if !self.supercell.iter().all(|count| (1..=10_000).contains(count)) {
+            let found = format!("{:?}", self.supercell);
+            return Err(wrong("supercell", &found, "three numbers of cells from 1 to 10000"));
+        }
+        let viewpoint = match &self.camera {
+            Some(text) => Some(
+                text.parse::<Viewpoint>()
+                    .map_err(|error| wrong("camera", text, error.trim_start_matches("expected ")))?,
+            ),
+            None => None,
+        };
+        let scene = SceneOptions {
+            style: named("style", &self.style, Style::from_name, &Style::ALL.map(Style::name))?,
+            color_by: named("color_by", &self.color_by, ColorBy::from_name, &ColorBy::ALL.map(ColorBy::name))?,
+            altloc: match (self.altloc.as_str(), self.altloc.as_bytes()) {
+                ("highest", _) => AltlocChoice::Highest,
+                ("all", _) => AltlocChoice::All,
+                (_, &[code]) if code.is_ascii_graphic() => AltlocChoice::Code(code),
+                (other, _) => return Err(wrong("altloc", other, "highest, all, or one letter")),
+            },
+            pose: viewpoint.map(|viewpoint| viewpoint.pose),
+            hydrogens: self.hydrogens,
+            water: self.water,
+            perspective: match self.projection.as_str() {
+                PERSPECTIVE => true,
+                ORTHOGRAPHIC => false,
+                other => return Err(wrong("projection", other, "perspective or orthographic")),
+            },
+            ground: self.ground,
+            background: match (self.background.as_str(), crate::color::Srgb8::parse(&self.background)) {
+                (TRANSPARENT, _) => Background::Transparent,
+                (_, Some(color)) if color.a == 255 => Background::Color(color),
+                (other, _) => return Err(wrong("background", other, "transparent, #rrggbb, or a name of a colour")),
+            },
+            haptic: self.haptic,
+            text: OverlayOptions { labels, legend: self.legend, scale_bar: self.scale_bar, size },
+            look: named("look", &self.look, Look::from_name, &Look::ALL.map(Look::name))?,
+            aromatic: named("aromatic", &self.aromatic, Aromatic::from_name, &Aromatic::ALL.map(Aromatic::name))?,
+            vectors: VectorChoice::from_name(&self.vectors),
+            vector_scale: self.vector_scale,
+            axes: self.axes,
+            ..SceneOptions::default()
+        };
+        let mode = named("bonds", &self.bonds, BondMode::from_name, &BondMode::ALL.map(BondMode::name))?;
+        let crystal = CrystalOptions {
+            cell: named("cell", &self.cell, CellChoice::from_name, &CellChoice::ALL.map(CellChoice::name))?,
+            supercell: self.supercell,
+            bonds: BondOptions { mode, hydrogen_bonds: self.hbonds, ..BondOptions::default() },
+            ..CrystalOptions::default()
+        };
+        let quality = named("quality", &self.quality, Quality::from_name, &Quality::ALL.map(Quality::name))?;
+        Ok(Settings { scene, crystal, cell_box: self.cell_box, quality, viewpoint })
+    }
+
+    fn labels(&self) -> Result<LabelContent> {
+        let mut labels = LabelContent::default();
+        for name in &self.label {
+            match name.as_str() {
+                "element" => labels.element = true,
+                "index" => labels.index = true,
+                "name" => labels.name = true,
+                "residue" => labels.residue = true,
+                other => return Err(wrong("label", other, "element, index, name or residue")),
+            }
+        }
+        Ok(labels)
+    }
+
+    /// Whether bytes look like a session: a JSON object that says so.
+    #[must_use]
+    pub fn is_one(bytes: &[u8]) -> bool {
+        let start = &bytes[..bytes.len().min(4096)];
+        start.trim_ascii_start().first() == Some(&b'{')
+            && start.windows(NAME.len()).any(|window| window == NAME.as_bytes())
+    }
+
+    /// From JSON; paths are relative to this folder.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the line and what was expected.
+    pub fn parse(bytes: &[u8], folder: &Path) -> Result<Session> {
+        #[derive(Deserialize)]
+        struct Head {
+            ballstick_session: u32,
+        }
+        let failed = |error: serde_json::Error| {
+            let text = error.to_string();
+            let message = text.split(" at line ").next().unwrap_or(&text).to_owned();
+            Error::input((error.line() > 0).then_some(error.line() as u64), format!("this is no session: {message}"))
+        };
+        let head: Head = serde_json::from_slice(bytes).map_err(failed)?;
+        if head.ballstick_session != VERSION {
+            return Err(Error::Unsupported(format!(
+                "the session is of version {}, and this program reads version {VERSION}; a newer ballstick may read it",
+                head.ballstick_session
+            )));
+        }
+        let mut session: Session = serde_json::from_slice(bytes).map_err(failed)?;
+        for file in &mut session.files {
+            if file.frame == 0 {
+                return Err(wrong("frame", "0", "a number from 1 on"));
+            }
+            file.path = folder.join(&file.path);
+        }
+        let files = u32::try_from(session.files.len()).unwrap_or(u32::MAX);
+        let is_atom = |&[file, atom]: &Atom| (1..=files).contains(&file) && atom > 0;
+        if !session.picked.iter().chain(session.measurements.iter().flatten()).all(is_atom) {
+            return Err(wrong(
+                "picked or measurements",
+                "an atom of no file",
+                "pairs of the number of a file and of an atom, from 1",
+            ));
+        }
+        if !session.measurements.iter().all(|atoms| (2..=4).contains(&atoms.len())) {
+            return Err(wrong("measurements", "another number of atoms", "two, three or four atoms each"));
+        }
+        session.settings()?;
+        Ok(session)
+    }
+
+    /// Reads a session.
+    ///
+    /// # Errors
+    /// If the file cannot be read or is no session.
+    pub fn read(path: &Path) -> Result<Session> {
+        let bytes =
+            std::fs::read(path).map_err(|source| Error::Io { action: "read", path: path.to_owned(), source })?;
+        Session::parse(&bytes, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Writes a session, whole or not at all.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let place = absolute(path);
+        let folder = place.parent().unwrap_or(Path::new(""));
+        let mut written = self.clone();
+        for file in &mut written.files {
+            let whole = absolute(&file.path);
+            file.path = whole.strip_prefix(folder).map_or(whole.clone(), Path::to_owned);
+        }
+        let text = serde_json::to_string_pretty(&written)
+            .map_err(|error| Error::Unsupported(format!("the session cannot be written down: {error}")))?;
+        atomic::write(path, |out| writeln!(out, "{text}"))
+    }
+}
+
+const NAME: &str = "\"ballstick_session\"";
+const TRANSPARENT: &str = "transparent";
+const PERSPECTIVE: &str = "perspective";
+const ORTHOGRAPHIC: &str = "orthographic";
+
+fn wrong(field: &str, found: &str, expected: &str) -> Error {
+    Error::input(None, format!("session: {field}: found {found}, expected {expected}"))
+}
+
+fn named<T>(field: &str, name: &str, from_name: impl Fn(&str) -> Option<T>, all: &[&str]) -> Result<T> {
+    from_name(name).ok_or_else(|| wrong(field, &format!("\"{name}\""), &format!("one of {}", all.join(", "))))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,115 @@
+use super::*;
+use crate::scene::{Item, Scene};
+
+fn settings() -> Settings {
+    let document = crate::import::read_bytes(b"2\n\nO 1 2 3\nO 4 2 3\n", "a.xyz", &Default::default()).unwrap();
+    let scene = Scene::new(&[Item::of(&document.records[0])], &SceneOptions::default());
+    let viewpoint = Viewpoint::of(&scene, &scene.fitted_camera(1.5));
+    Settings {
+        scene: SceneOptions {
+            style: Style::Licorice,
+            color_by: ColorBy::Chain,
+            look: Look::Dark,
+            background: Background::Transparent,
+            ground: false,
+            perspective: false,
+            hydrogens: false,
+            altloc: AltlocChoice::Code(b'B'),
+            vectors: VectorChoice::from_name("forces"),
+            vector_scale: Some(0.5),
+            text: OverlayOptions {
+                labels: LabelContent { element: true, index: true, ..LabelContent::default() },
+                size: 1.5,
+                legend: true,
+                scale_bar: true,
+            },
+            pose: Some(viewpoint.pose),
+            ..SceneOptions::default()
+        },
+        crystal: CrystalOptions {
+            cell: CellChoice::Full,
+            supercell: [2, 1, 3],
+            bonds: BondOptions { mode: BondMode::Perceive, hydrogen_bonds: true, ..BondOptions::default() },
+            ..CrystalOptions::default()
+        },
+        cell_box: Some(false),
+        quality: Quality::High,
+        viewpoint: Some(viewpoint),
+    }
+}
+
+#[test]
+fn settings_come_back_through_json() {
+    let mut session = Session::of(&settings());
+    session.files.push(File { path: "a.xyz".into(), frame: 3, visible: true });
+    session.measurements.push(vec![[1, 1], [1, 2]]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.json");
+    let file = folder.path().join("sub/a.xyz");
+    session.files[0].path = file.clone();
+    session.write(&path).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains("\"sub/a.xyz\"") && Session::is_one(text.as_bytes()), "{text}");
+    let read = Session::read(&path).unwrap();
+    assert_eq!((&read.files[0].path, read.files[0].frame), (&file, 3));
+    assert_eq!(read.measurements, session.measurements);
+    let again = read.settings().unwrap();
+    let (a, b) = (again.viewpoint.unwrap(), settings().viewpoint.unwrap());
+    assert!(a.target.distance(b.target) < 1e-5 && a.pose.center == b.pose.center);
+    let mut expected = settings();
+    (expected.viewpoint, expected.scene.pose) = (again.viewpoint, again.scene.pose);
+    assert_eq!(again, expected);
+}
+
+#[test]
+fn what_means_nothing_is_refused_with_what_is_meant() {
+    let good = serde_json::to_value(Session::of(&settings())).unwrap();
+    let refused = |field: &str, value: serde_json::Value| {
+        let mut bad = good.clone();
+        bad[field] = value;
+        Session::parse(&serde_json::to_vec_pretty(&bad).unwrap(), Path::new("")).unwrap_err().to_string()
+    };
+    assert!(Session::parse(good.to_string().as_bytes(), Path::new("")).is_ok());
+    assert!(refused("style", "cartoon".into()).contains("style: found \"cartoon\", expected one of ball-and-stick, "));
+    assert!(refused("supercell", serde_json::json!([1, 0, 1])).contains("from 1 to 10000"));
+    assert!(refused("camera", "here".into()).contains("fifteen numbers"));
+    assert!(refused("label", serde_json::json!(["colour"])).contains("element, index"));
+    assert!(refused("colour", "red".into()).contains("unknown field `colour`"));
+    assert!(refused("ground", "yes".into()).starts_with("line "));
+    assert!(refused("ballstick_session", 9.into()).contains("version 9"));
+    assert!(refused("measurements", serde_json::json!([[[1, 1], [1, 2]]])).contains("number of a file"));
+    for bad in ["", "{", "[]", "{\"ballstick_session\": 1}"] {
+        assert!(Session::parse(bad.as_bytes(), Path::new("")).is_err(), "{bad}");
+    }
+    assert!(!Session::is_one(b"{\"atoms\": []}") && !Session::is_one(b"HEADER \"ballstick_session\""));
+}
+
+#[test]
+fn the_command_line_says_what_is_not_usual() {
+    let plain = Settings {
+        scene: SceneOptions::default(),
+        crystal: CrystalOptions::default(),
+        cell_box: None,
+        quality: Quality::Standard,
+        viewpoint: None,
+    };
+    let file = |path: &str, visible| File { path: path.into(), frame: 1, visible };
+    let mut session = Session::of(&plain);
+    session.files = vec![file("it's here.pdb", true)];
+    assert_eq!(session.command_line([640, 480]), r"ballstick render 'it'\''s here.pdb' -o picture.png --size 640x480");
+    let mut session = Session::of(&settings());
+    session.files = vec![file("hidden.pdb", false), file("-a.pdb", true), file("b.pdb", true)];
+    session.measurements = vec![vec![[2, 5], [3, 7]], vec![[1, 1], [2, 2]]];
+    let line = session.command_line([10, 20]);
+    assert!(line.starts_with("ballstick render ./-a.pdb b.pdb -o picture.png --size 10x20 --style licorice"), "{line}");
+    for words in [
+        "--background transparent",
+        "--label element,index --label-size 1.5",
+        "--supercell 2x1x3",
+        "--measure 5,2:7 --camera ",
+        "--no-ground --no-hydrogens --legend --scale-bar --hbonds --no-cell-box",
+    ] {
+        assert!(line.contains(words), "{words} in {line}");
+    }
+    assert!(!line.contains("hidden") && line.matches("--measure").count() == 1);
+}
