@@ -149,10 +149,14 @@ pub(crate) fn all() -> Vec<Case> {
         ),
         fitted(
             "depth_of_field",
-            &SceneOptions { depth_of_field: Some(DepthOfField { blur: 0.15, focus: 0.3 }), ..SceneOptions::default() },
+            &SceneOptions { depth_of_field: Some(DepthOfField { blur: 0.06, focus: 0.5 }), ..SceneOptions::default() },
         ),
         fogged(),
     ];
+    for case in cases.iter_mut().filter(|case| ["fog", "sphere_camera_inside"].contains(&case.name)) {
+        // Of their own: what looks have may change.
+        case.scene.lighting.fog = 0.5;
+    }
     let mut part = fitted("molecule_region", &SceneOptions::default());
     (part.view.width, part.view.height) = (512, 384);
     part.view.region = Some(Region { x: 170, y: 150, width: WIDTH, height: HEIGHT });
