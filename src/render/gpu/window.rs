@@ -92,6 +92,11 @@ impl GpuRenderer {
         add: u32,
         mut over: UserInterface<'_>,
     ) -> Result<()> {
+        // First of all: what egui sends it sends once.
+        self.gpu.guard("taking the interface's textures over", || {
+            window.painter.update(&self.gpu, &mut over.textures);
+            Ok(())
+        })?;
         let most = self.gpu.limits.max_texture_dimension_2d;
         let region = view.region();
         let size = [region.width.min(most), region.height.min(most)];
@@ -110,7 +115,6 @@ impl GpuRenderer {
         let draw = self.draw(settings);
         self.gpu.guard("drawing", || draw.samples(&targets, region, [done, end], settings.samples.max(end)))?;
         self.gpu.guard("finishing the picture", || {
-            window.painter.update(&self.gpu, &mut over.textures);
             let (picture, is_new) = window.painter.picture(&self.gpu, size);
             if is_new || end > done {
                 let inputs = [&targets.sums[(end % 2) as usize], self.ground.light(&frame), &text];
