@@ -21,7 +21,10 @@ use winit::window::Window;
 /// What egui wants to be seen.
 #[derive(Default)]
 pub(super) struct Interface {
-    pub(super) textures: TexturesDelta,
+    /// What of textures is new to a device.
+    textures: TexturesDelta,
+    /// Has all textures whoever draws: if a device is lost, egui does not send them again.
+    painter: Painter,
     pub(super) primitives: Vec<ClippedPrimitive>,
     /// Pixels a point.
     pub(super) scale: f32,
@@ -40,9 +43,15 @@ impl Interface {
         scale: f32,
         view: egui::Rect,
     ) {
+        self.painter.update(&mut textures.clone());
         self.textures.append(textures);
         (self.primitives, self.scale) = (primitives, scale);
         self.view = view.is_positive().then_some(view);
+    }
+
+    /// Lets go of what nobody has taken.
+    pub(super) fn close(&mut self) {
+        self.textures.clear();
     }
 
     /// Forgets what is on the screen.
@@ -91,7 +100,6 @@ struct GpuScreen {
 struct CpuScreen {
     surface: softbuffer::Surface<Arc<Window>, Arc<Window>>,
     worker: Worker,
-    painter: Painter,
     /// The version last posted, and whether its fine picture was.
     posted: (u64, bool),
     /// The version whose coarse picture is on the screen.
@@ -226,7 +234,6 @@ impl CpuScreen {
         Ok(CpuScreen {
             surface,
             worker,
-            painter: Painter::default(),
             posted: (0, false),
             coarse: 0,
             shown: None,
@@ -295,8 +302,8 @@ impl CpuScreen {
         let canvas_size = size.map(|side| side as usize);
         let whole = PxRect { left: 0, top: 0, right: canvas_size[0], bottom: canvas_size[1] };
         let place = interface.view_px(size);
-        self.painter.update(&mut interface.textures);
-        let mut damage = self.painter.damage(&interface.primitives, interface.scale, canvas_size);
+        interface.textures.clear();
+        let mut damage = interface.painter.damage(&interface.primitives, interface.scale, canvas_size);
         if has_new {
             place.add_to(&mut damage);
         }
@@ -323,7 +330,7 @@ impl CpuScreen {
         for &rect in &stale {
             let Some(rect) = rect.cut(whole) else { continue };
             background(&mut canvas, rect, place, self.shown.as_ref(), behind);
-            self.painter.paint(&mut canvas, rect, &interface.primitives, interface.scale);
+            interface.painter.paint(&mut canvas, rect, &interface.primitives, interface.scale);
         }
         let px = |x: usize| u32::try_from(x).unwrap_or(u32::MAX);
         let rect_of = |rect: &PxRect| {

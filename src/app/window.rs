@@ -296,6 +296,9 @@ impl ApplicationHandler<Wake> for App {
     }
 
     fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
+        if let Some(open) = &mut self.open {
+            open.interface.close();
+        }
         // The surface must go before the window's connection does.
         self.open = None;
     }

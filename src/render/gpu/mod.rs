@@ -12,6 +12,8 @@
 //!
 //! Limits: on a device whose textures end at 2048 pixels the ground map has at most 2046 texels a side.
 
+#![cfg_attr(not(feature = "window"), allow(dead_code, reason = "windows alone need some of it"))]
+
 mod adapter;
 mod device;
 mod draw;

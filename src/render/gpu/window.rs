@@ -107,7 +107,8 @@ impl GpuRenderer {
         add: u32,
         mut over: UserInterface<'_>,
     ) -> Result<()> {
-        self.gpu.guard("drawing the interface", || {
+        // First of all: what egui sends it sends once.
+        self.gpu.guard("taking the interface's textures over", || {
             window.painter.update(&self.gpu, &mut over.textures);
             Ok(())
         })?;
