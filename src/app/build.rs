@@ -16,10 +16,13 @@ const AT_ONCE: usize = 8_000;
 /// What is drawn of frames is kept for so many of them, as long as it has no more atoms than this in all.
 const KEPT: (usize, usize) = (64, 2_000_000);
 
+/// A file's number, what is in it, and the frame that is shown.
+type Layer = (u32, Arc<Document>, usize);
+
 /// All that decides on the primitives of a scene.
 #[derive(Clone)]
 pub(super) struct Spec {
-    layers: Vec<(u32, Arc<Document>, usize)>,
+    layers: Vec<Layer>,
     scene: SceneOptions,
     crystal: CrystalOptions,
     cell_box: Option<bool>,
@@ -37,13 +40,16 @@ impl Spec {
         let lit_as_other = SceneOptions {
             perspective: other.scene.perspective,
             look: other.scene.look,
+            light: other.scene.light,
+            fog: other.scene.fog,
+            outline: other.scene.outline,
+            outline_color: other.scene.outline_color,
+            depth_of_field: other.scene.depth_of_field,
             background: other.scene.background,
             ground: other.scene.ground,
             ..self.scene.clone()
         };
-        let same_layer = |(a, b): (&(u32, Arc<Document>, usize), &(u32, Arc<Document>, usize))| {
-            a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1) && a.2 == b.2
-        };
+        let same_layer = |(a, b): (&Layer, &Layer)| a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1) && a.2 == b.2;
         self.layers.len() == other.layers.len()
             && self.layers.iter().zip(&other.layers).all(same_layer)
             && lit_as_other == other.scene
@@ -53,8 +59,7 @@ impl Spec {
 
     /// Whether the picture is the same.
     pub(super) fn same_picture(&self, other: &Spec) -> bool {
-        let light = |scene: &SceneOptions| (scene.perspective, scene.look, scene.background, scene.ground);
-        self.same_primitives(other) && light(&self.scene) == light(&other.scene)
+        self.same_primitives(other) && self.scene == other.scene
     }
 
     /// The primitives of another one, in this one's light.
@@ -73,9 +78,8 @@ impl Spec {
     /// Whether it is done in no time.
     pub(super) fn is_small(&self) -> bool {
         let cells = self.crystal.supercell.into_iter().fold(1usize, |all, n| all.saturating_mul(n as usize));
-        let atoms = |(_, document, _): &(u32, Arc<Document>, usize)| {
-            document.records.first().map_or(0, crate::structure::Structure::atom_count)
-        };
+        let atoms =
+            |(_, document, _): &Layer| document.records.first().map_or(0, crate::structure::Structure::atom_count);
         self.layers.iter().map(atoms).sum::<usize>().saturating_mul(cells) <= AT_ONCE
     }
 }

@@ -283,7 +283,7 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
 }
 
 /// The look's lights, with what is asked to be otherwise.
-fn lighting(options: &SceneOptions) -> Lighting {
+pub(super) fn lighting(options: &SceneOptions) -> Lighting {
     let mut light = options.look.lighting();
     light.frame = options.light;
     light.fog = options.fog.unwrap_or(light.fog);

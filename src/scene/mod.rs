@@ -240,7 +240,8 @@ impl Scene {
     /// Takes light, background, projection and whether there is a ground from options that ask for the same primitives.
     pub fn relight(&mut self, options: &SceneOptions) {
         self.perspective = options.perspective;
-        self.lighting = options.look.lighting();
+        self.lighting = build::lighting(options);
+        self.depth_of_field = options.depth_of_field;
         self.background = options.background;
         self.set_ground(options.ground);
     }

@@ -36,6 +36,13 @@ impl Session {
         flag("style", &self.style, self.style == usual.style);
         flag("color-by", &self.color_by, self.color_by == usual.color_by);
         flag("look", &self.look, self.look == usual.look);
+        let number = |value: Option<f32>| value.map(|value| value.to_string()).unwrap_or_default();
+        flag("light", &self.light, self.light == usual.light);
+        flag("fog", &number(self.fog), self.fog.is_none());
+        flag("outline", &number(self.outline), self.outline.is_none());
+        flag("outline-color", self.outline_color.as_deref().unwrap_or_default(), self.outline_color.is_none());
+        flag("depth-of-field", &number(self.depth_of_field), self.depth_of_field.is_none());
+        flag("focus", &number(self.focus), self.depth_of_field.is_none() || self.focus.is_none());
         let of_look = crate::scene::Look::from_name(&self.look).unwrap_or_default().background().to_string();
         flag("background", &self.background, self.background == of_look && self.background != TRANSPARENT);
         flag("projection", &self.projection, self.projection == usual.projection);

@@ -14,8 +14,8 @@ use crate::error::{Error, Result};
 use crate::export::atomic;
 use crate::render::Quality;
 use crate::scene::{
-    AltlocChoice, Aromatic, Background, ColorBy, LabelContent, Look, OverlayOptions, SceneOptions, Style, VectorChoice,
-    Viewpoint,
+    AltlocChoice, Aromatic, Background, ColorBy, DepthOfField, LabelContent, LightFrame, Look, OverlayOptions,
+    SceneOptions, Style, VectorChoice, Viewpoint,
 };
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -52,6 +52,24 @@ pub struct Session {
     pub color_by: String,
     /// `--look`.
     pub look: String,
+    /// `--light`.
+    #[serde(default = "camera")]
+    pub light: String,
+    /// `--fog`; `null` for the look's.
+    #[serde(default)]
+    pub fog: Option<f32>,
+    /// `--outline`; `null` for the look's.
+    #[serde(default)]
+    pub outline: Option<f32>,
+    /// `--outline-color`; `null` for the look's.
+    #[serde(default)]
+    pub outline_color: Option<String>,
+    /// `--depth-of-field`; `null` for a picture that is sharp everywhere.
+    #[serde(default)]
+    pub depth_of_field: Option<f32>,
+    /// `--focus`, if there is a depth of field.
+    #[serde(default)]
+    pub focus: Option<f32>,
     /// `--background`.
     pub background: String,
     /// `--ground`.
@@ -104,6 +122,19 @@ pub struct Session {
     pub measurements: Vec<Vec<Atom>>,
 }
 
+/// What is in focus where nothing is said.
+const FOCUS: f32 = 0.3;
+
+/// What a session says of lights where it was saved before they could be chosen.
+fn camera() -> String {
+    LightFrame::default().name().to_owned()
+}
+
+/// A part of the picture's height as flags have it, without the digits that rounding adds.
+fn thousandths(part: f32) -> f32 {
+    (part * 1e6).round() / 1e3
+}
+
 /// The settings of a session as the library knows them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -133,6 +164,12 @@ impl Session {
             style: scene.style.name().to_owned(),
             color_by: scene.color_by.name().to_owned(),
             look: scene.look.name().to_owned(),
+            light: scene.light.name().to_owned(),
+            fog: scene.fog,
+            outline: scene.outline.map(thousandths),
+            outline_color: scene.outline_color.map(|color| color.to_string()),
+            depth_of_field: scene.depth_of_field.map(|wanted| thousandths(wanted.blur)),
+            focus: scene.depth_of_field.map(|wanted| wanted.focus),
             background: match scene.background {
                 Background::Color(color) => color.to_string(),
                 Background::Transparent => TRANSPARENT.to_owned(),
@@ -185,6 +222,17 @@ impl Session {
             let found = format!("{:?}", self.supercell);
             return Err(wrong("supercell", &found, "three numbers of cells from 1 to 10000"));
         }
+        let within = |field: &str, value: Option<f32>, most: f32| match value {
+            Some(number) if !(0.0..=most).contains(&number) => {
+                Err(wrong(field, &number.to_string(), &format!("a number from 0 to {most}")))
+            }
+            value => Ok(value),
+        };
+        let (fog, outline) = (within("fog", self.fog, 1.0)?, within("outline", self.outline, 50.0)?);
+        let (blur, focus) = (
+            within("depth_of_field", self.depth_of_field.filter(|&blur| blur != 0.0), 200.0)?,
+            within("focus", self.focus, 1.0)?,
+        );
         let viewpoint = match &self.camera {
             Some(text) => Some(
                 text.parse::<Viewpoint>()
@@ -218,6 +266,17 @@ impl Session {
             haptic: self.haptic,
             text: OverlayOptions { labels, legend: self.legend, scale_bar: self.scale_bar, size },
             look: named("look", &self.look, Look::from_name, &Look::ALL.map(Look::name))?,
+            light: named("light", &self.light, LightFrame::from_name, &LightFrame::ALL.map(LightFrame::name))?,
+            fog,
+            outline: outline.map(|width| width / 1000.0),
+            outline_color: match &self.outline_color {
+                None => None,
+                Some(text) => match crate::color::Srgb8::parse(text) {
+                    Some(color) if color.a == 255 => Some(color),
+                    _ => return Err(wrong("outline_color", text, "#rrggbb, or a name of a colour")),
+                },
+            },
+            depth_of_field: blur.map(|blur| DepthOfField { blur: blur / 1000.0, focus: focus.unwrap_or(FOCUS) }),
             aromatic: named("aromatic", &self.aromatic, Aromatic::from_name, &Aromatic::ALL.map(Aromatic::name))?,
             vectors: VectorChoice::from_name(&self.vectors),
             vector_scale: self.vector_scale,

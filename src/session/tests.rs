@@ -1,5 +1,6 @@
 use super::*;
-use crate::scene::{Item, Scene};
+use crate::color::Srgb8;
+use crate::scene::{DepthOfField, Item, LightFrame, Scene};
 
 fn settings() -> Settings {
     let document = crate::import::read_bytes(b"2\n\nO 1 2 3\nO 4 2 3\n", "a.xyz", &Default::default()).unwrap();
@@ -24,6 +25,11 @@ fn settings() -> Settings {
                 scale_bar: true,
             },
             pose: Some(viewpoint.pose),
+            light: LightFrame::World,
+            fog: Some(0.5),
+            outline: Some(0.0015),
+            outline_color: Srgb8::parse("navy"),
+            depth_of_field: Some(DepthOfField { blur: 0.012, focus: 0.75 }),
             ..SceneOptions::default()
         },
         crystal: CrystalOptions {
