@@ -16,10 +16,13 @@ const AT_ONCE: usize = 8_000;
 /// What is drawn of frames is kept for so many of them, as long as it has no more atoms than this in all.
 const KEPT: (usize, usize) = (64, 2_000_000);
 
+/// A layer, its molecule and the frame of it.
+type Shown = (u32, Arc<Document>, usize);
+
 /// All that decides on the primitives of a scene.
 #[derive(Clone)]
 pub(super) struct Spec {
-    layers: Vec<(u32, Arc<Document>, usize)>,
+    layers: Vec<Shown>,
     scene: SceneOptions,
     crystal: CrystalOptions,
     cell_box: Option<bool>,
@@ -41,9 +44,7 @@ impl Spec {
             ground: other.scene.ground,
             ..self.scene.clone()
         };
-        let same_layer = |(a, b): (&(u32, Arc<Document>, usize), &(u32, Arc<Document>, usize))| {
-            a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1) && a.2 == b.2
-        };
+        let same_layer = |(a, b): (&Shown, &Shown)| a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1) && a.2 == b.2;
         self.layers.len() == other.layers.len()
             && self.layers.iter().zip(&other.layers).all(same_layer)
             && lit_as_other == other.scene
@@ -73,9 +74,8 @@ impl Spec {
     /// Whether it is done in no time.
     pub(super) fn is_small(&self) -> bool {
         let cells = self.crystal.supercell.into_iter().fold(1usize, |all, n| all.saturating_mul(n as usize));
-        let atoms = |(_, document, _): &(u32, Arc<Document>, usize)| {
-            document.records.first().map_or(0, crate::structure::Structure::atom_count)
-        };
+        let atoms =
+            |(_, document, _): &Shown| document.records.first().map_or(0, crate::structure::Structure::atom_count);
         self.layers.iter().map(atoms).sum::<usize>().saturating_mul(cells) <= AT_ONCE
     }
 }

@@ -37,7 +37,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Show molecules in a window (the default)
-    View(ViewArgs),
+    View(Box<ViewArgs>),
     /// Draw pictures
     Render(Box<RenderArgs>),
     /// Say what is in files

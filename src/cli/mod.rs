@@ -38,8 +38,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         }
     };
     let mut report = report::Report::default();
-    let done = match cli.command.unwrap_or(Command::View(cli.view)) {
-        Command::View(args) => view::run(args, &report),
+    let done = match cli.command.unwrap_or(Command::View(Box::new(cli.view))) {
+        Command::View(args) => view::run(*args, &report),
         Command::Render(args) => picture::run(&args, &mut report, &mut render::Drawer::new(args.renderer)),
         Command::Info(args) => {
             info::run(&args, &mut report);
