@@ -33,10 +33,12 @@ fn window<R>(ctx: &Context, title: &str, content: impl FnOnce(&mut Ui) -> R) -> 
 fn path_field(ui: &mut Ui, text: &mut String) -> bool {
     let response = ui.add(TextEdit::singleline(text).desired_width(340.0));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::TextInput, true, "File"));
-    if ui.ctx().memory(|memory| memory.focused().is_none()) {
+    // Asked first: to take the focus again is not to have lost it.
+    let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    if !entered && ui.ctx().memory(|memory| memory.focused().is_none()) {
         response.request_focus();
     }
-    response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
+    entered
 }
 
 /// Asks for a path; the text while it is still being asked for.

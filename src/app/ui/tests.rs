@@ -164,6 +164,18 @@ fn keys_act_unless_something_is_typed() {
 }
 
 #[test]
+fn enter_in_a_dialog_saves() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.json");
+    let mut harness = harness(opened(&["caffeine.sdf"]));
+    press(&mut harness, Modifiers::COMMAND, Key::S);
+    harness.state_mut().state.shown.session = Some(path.display().to_string());
+    steps(&mut harness);
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    assert!(path.exists() && harness.state().state.shown.session.is_none());
+}
+
+#[test]
 fn the_help_lists_every_key() {
     let mut harness = harness(opened(&["caffeine.sdf"]));
     press(&mut harness, Modifiers::NONE, Key::F1);
