@@ -207,18 +207,6 @@ pub struct Span {
     pub top: f32,
 }
 
-impl Span {
-    /// The smallest around both.
-    #[must_use]
-    pub fn union(self, other: Span) -> Span {
-        Span {
-            low: [0, 1].map(|axis| min(self.low[axis], other.low[axis])),
-            high: [0, 1].map(|axis| max(self.high[axis], other.high[axis])),
-            top: max(self.top, other.top),
-        }
-    }
-}
-
 impl Tubes {
     fn new(bounds: &Bounds, center: Vec3, toward: Vec3) -> Tubes {
         let [right, up] = across(toward);

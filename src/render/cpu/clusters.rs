@@ -27,8 +27,8 @@ struct Cluster {
 #[derive(Debug, Default)]
 pub(super) struct Clusters {
     simple: Vec<Cluster>,
-    /// What is asked one by one: clusters of indices into the solids, and their bounds.
-    others: Vec<Vec<(u32, Bound)>>,
+    /// What is asked one by one: indices into the solids, and bounds. Each counts as a cluster of its own: few rays come near it.
+    others: Vec<(u32, Bound)>,
 }
 
 /// The clusters as they look along one direction.
@@ -58,7 +58,7 @@ impl Clusters {
             simple: (order.simple.par_chunks(LANES))
                 .map(|members| Cluster::new(&members.iter().map(member).collect::<Vec<_>>()))
                 .collect(),
-            others: order.others.chunks(LANES).map(|members| members.iter().map(bounds).collect()).collect(),
+            others: order.others.iter().map(bounds).collect(),
         }
     }
 
@@ -78,8 +78,8 @@ pub(super) struct Order {
 impl Order {
     /// Of all primitives.
     pub(super) fn new(bodies: &[Body]) -> Order {
-        let (mut simple, mut others): (Vec<Body>, Vec<Body>) = bodies.iter().partition(|body| body.radius >= 0.0);
-        rayon::join(|| gather(&mut simple), || gather(&mut others));
+        let (mut simple, others): (Vec<Body>, Vec<Body>) = bodies.iter().partition(|body| body.radius >= 0.0);
+        gather(&mut simple);
         let indices = |bodies: Vec<Body>| bodies.iter().map(|body| body.index).collect();
         Order { simple: indices(simple), others: indices(others) }
     }
@@ -198,10 +198,7 @@ impl Sight {
         let mut spans = Vec::with_capacity(clusters.len());
         super::simd::widest(Spans { clusters, axes, spans: &mut spans });
         let three = [axes.right, axes.up, axes.toward];
-        spans.extend(clusters.others.iter().map(|members| {
-            let members = members.iter().map(|(_, bound)| bound.span(axes.center, three));
-            members.reduce(Span::union).unwrap_or(Span { low: [0.0; 2], high: [0.0; 2], top: f32::NEG_INFINITY })
-        }));
+        spans.extend(clusters.others.iter().map(|(_, bound)| bound.span(axes.center, three)));
         let sizes = spans.iter().map(|span| f64::from(span.high[0] - span.low[0] + span.high[1] - span.low[1]));
         let mean = 0.5 * sizes.sum::<f64>() / spans.len().max(1) as f64;
         let tubes = Tubes::of_spans(&spans, (WIDTH * mean as f32).max(1e-3), three);
@@ -273,9 +270,9 @@ impl Sight {
                         hidden |= u32::from(seen.hides(at.x[lane], at.y[lane], at.height[lane])) << lane;
                     }
                     alive &= !hidden;
-                } else if let Some(members) = clusters.others.get(index as usize - clusters.simple.len()) {
+                } else if let Some(&(other, _)) = clusters.others.get(index as usize - clusters.simple.len()) {
                     *free = lanes_of(alive);
-                    members.iter().for_each(|&(member, _)| exactly(member, free));
+                    exactly(other, free);
                     alive = bits(|lane| free[lane] != 0);
                 }
                 if alive == 0 {
