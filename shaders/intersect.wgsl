@@ -37,7 +37,7 @@ fn visible_t(entry: f32, exit: f32, near: f32) -> f32 {
     return select(NO_HIT, max(entry, near), hit);
 }
 
-fn sphere_t(ray: Ray, sphere: Sphere, near: f32) -> f32 {
+fn sphere_interval(ray: Ray, sphere: Sphere) -> vec2<f32> {
     let d = ray.direction;
     let dd = dot3(d, d);
     let c = sphere.center - ray.origin;
@@ -47,9 +47,13 @@ fn sphere_t(ray: Ray, sphere: Sphere, near: f32) -> f32 {
     let outside = dot3(p, p) - sphere.radius * sphere.radius;
     let discriminant = pd * pd - dd * outside;
     let root = sqrt(max(discriminant, 0.0));
-    let entry = t0 + (-pd - root) / dd;
-    let exit = t0 + (-pd + root) / dd;
-    return select(NO_HIT, visible_t(entry, exit, near), discriminant >= 0.0);
+    let way = vec2<f32>(t0 + (-pd - root) / dd, t0 + (-pd + root) / dd);
+    return vec2<f32>(select(NO_HIT, way.x, discriminant >= 0.0), way.y);
+}
+
+fn sphere_t(ray: Ray, sphere: Sphere, near: f32) -> f32 {
+    let way = sphere_interval(ray, sphere);
+    return visible_t(way.x, way.y, near);
 }
 
 fn sphere_normal(ray: Ray, sphere: Sphere, near: f32, t: f32) -> vec3<f32> {

@@ -24,17 +24,7 @@ fn rim(id: u32, t: f32, radius: f32) -> Surface {
 }
 
 fn sphere_middle_t(ray: Ray, sphere: Sphere, near: f32) -> f32 {
-    let d = ray.direction;
-    let dd = dot3(d, d);
-    let c = sphere.center - ray.origin;
-    let t0 = dot3(c, d) / dd;
-    let p = d * t0 - c;
-    let pd = dot3(p, d);
-    let outside = dot3(p, p) - sphere.radius * sphere.radius;
-    let discriminant = pd * pd - dd * outside;
-    let root = sqrt(max(discriminant, 0.0));
-    let way = vec2<f32>(t0 + (-pd - root) / dd, t0 + (-pd + root) / dd);
-    return select(NO_HIT, middle(way, near), discriminant >= 0.0);
+    return middle(sphere_interval(ray, sphere), near);
 }
 
 fn cylinder_middle_t(ray: Ray, cylinder: Cylinder, near: f32) -> f32 {

@@ -2,8 +2,7 @@
 //!
 //! Without an adapter the tests print `SKIP` and the reason; `BALLSTICK_GPU=require` turns that into a failure.
 
-use crate::scenes::{self, Case};
-use ballstick::crystal::{self, CrystalOptions};
+use crate::scenes::{self, Case, molecules};
 use ballstick::import::{ImportOptions, read_path};
 use ballstick::render::cpu::{CpuRenderer, reference};
 use ballstick::render::gpu::layout::SampleConstants;
@@ -274,18 +273,8 @@ fn opengl_finishes_a_picture_wider_than_a_texture() {
 #[test]
 fn gpu_and_cpu_draw_the_same_molecules() {
     let Some(mut gpu) = gpu() else { return };
-    let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
-    let mut files: Vec<_> = std::fs::read_dir(data).unwrap().map(|entry| entry.unwrap().path()).collect();
-    // Notes, the schema and the dictionary are no molecules.
-    let is_molecule = |name: &str| ![".md", ".schema.json", ".bin"].iter().any(|ending| name.ends_with(ending));
-    files.retain(|path| path.is_file() && is_molecule(&path.to_string_lossy()));
-    files.sort();
-    assert!(files.len() > 5, "data/ is missing");
     let mut wrong = Vec::new();
-    for (i, path) in files.iter().enumerate() {
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        let document = read_path(path, &ImportOptions::default()).unwrap();
-        let drawn = crystal::draw(document.records[0].clone(), &CrystalOptions::default()).unwrap();
+    for (i, (name, drawn)) in molecules().into_iter().enumerate() {
         let style = [Style::BallAndStick, Style::Licorice, Style::SpaceFilling][i % 3];
         let options = SceneOptions { style, perspective: i % 2 == 0, ..SceneOptions::default() };
         let scene = Scene::new(&[Item::drawn(&drawn, None)], &options);

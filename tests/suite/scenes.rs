@@ -1,7 +1,9 @@
 //! Small scenes, one idea each, for golden pictures and for comparing renderers.
 
 use ballstick::color::Srgb8;
+use ballstick::crystal::{self, CrystalOptions, Drawn};
 use ballstick::element::Element;
+use ballstick::import::{ImportOptions, read_path};
 use ballstick::render::View;
 use ballstick::scene::{
     Background, Block, Camera, Cap, ConeInstance, CylinderInstance, DepthOfField, Item, Look, Placement, Projection,
@@ -22,6 +24,23 @@ pub(crate) struct Case {
 
 const WIDTH: u32 = 128;
 const HEIGHT: u32 = 96;
+
+/// The molecules of `data/` by the names of their files, as they are drawn.
+pub(crate) fn molecules() -> Vec<(String, Drawn)> {
+    let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
+    let mut files: Vec<_> = std::fs::read_dir(data).unwrap().map(|entry| entry.unwrap().path()).collect();
+    // Notes, the schema and the dictionary are no molecules.
+    let is_molecule = |name: &str| ![".md", ".schema.json", ".bin"].iter().any(|ending| name.ends_with(ending));
+    files.retain(|path| path.is_file() && is_molecule(&path.to_string_lossy()));
+    files.sort();
+    assert!(files.len() > 5, "data/ is missing");
+    let drawn = |path: &std::path::PathBuf| {
+        let document = read_path(path, &ImportOptions::default()).unwrap();
+        let drawn = crystal::draw(document.records[0].clone(), &CrystalOptions::default()).unwrap();
+        (path.file_name().unwrap().to_string_lossy().into_owned(), drawn)
+    };
+    files.iter().map(drawn).collect()
+}
 
 fn sphere(center: Vec3, radius: f32, rgb: u32, id: u32) -> SphereInstance {
     SphereInstance { center: center.to_array(), radius, color: Srgb8::from_rgb_u32(rgb), id }
@@ -264,4 +283,34 @@ fn fogged() -> Case {
     let balls =
         (0..9).map(|i| sphere(Vec3::new(i as f32 * 6.0 - 24.0, 0.0, 40.0 - i as f32 * 10.0), 4.0, 0xFF_0D_0D, i + 1));
     case("fog", scene_of(balls.collect(), vec![]), camera(120.0, perspective(35.0), 1.0))
+}
+
+/// Light from afar takes sticks for granted whose caps lie in balls ([`CylinderInstance::hidden`]).
+#[test]
+fn caps_that_are_said_to_lie_in_balls_do() {
+    let (mut hidden, mut ends_of_all) = (0, 0);
+    for (name, drawn) in molecules() {
+        for style in Style::ALL {
+            let scene = Scene::new(&[Item::drawn(&drawn, None)], &SceneOptions { style, ..SceneOptions::default() });
+            for block in scene.blocks.iter() {
+                for stick in &block.cylinders {
+                    ends_of_all += 2;
+                    let ends = [Vec3::from(stick.a), Vec3::from(stick.b)];
+                    let axis = (ends[1] - ends[0]).normalize();
+                    for (_, end) in (0..).zip(ends).filter(|(bit, _)| stick.hidden >> bit & 1 != 0) {
+                        hidden += 1;
+                        // The point of the cap's edge that is farthest from the ball's centre.
+                        let lies_in = |ball: &SphereInstance| {
+                            let off = end - Vec3::from(ball.center);
+                            let along = off.dot(axis);
+                            along.hypot((off - axis * along).length() + stick.radius) <= ball.radius + 1e-3
+                        };
+                        assert!(block.spheres.iter().any(lies_in), "{name} {style:?}: {stick:?}");
+                    }
+                }
+            }
+        }
+    }
+    // Dashes and the inner sticks of rings have no ball.
+    assert!(2 * hidden > ends_of_all, "{hidden} of {ends_of_all}");
 }

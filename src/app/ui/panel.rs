@@ -1,6 +1,6 @@
 //! The panel on the right: files, how things look, what is shown, crystal, selection, atoms.
 
-use super::parts::{button, choice, heading, named, pair, row, switch};
+use super::parts::{button, choice, heading, named, row, switch, switches};
 use super::{Memory, atoms};
 use crate::app::action::Action;
 use crate::app::commands::capital;
@@ -167,15 +167,13 @@ fn light(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
             actions,
         );
     });
-    pair(
+    switches(
         ui,
         actions,
-        |ui, actions| {
-            switch(ui, "Ground", scene.ground, Action::Ground, actions);
-        },
-        |ui, actions| {
-            switch(ui, "Orthographic", !scene.perspective, |on| Action::Perspective(!on), actions);
-        },
+        [
+            ("Ground", scene.ground, &Action::Ground),
+            ("Orthographic", !scene.perspective, &|on| Action::Perspective(!on)),
+        ],
     );
     let qualities = Quality::ALL.map(|quality| (quality, capital(quality.name())));
     choice(ui, "Quality", &qualities, state.work.quality, Action::Quality, actions);
@@ -183,60 +181,37 @@ fn light(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
 
 fn shown(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let (scene, crystal) = (&state.work.scene, &state.work.crystal);
-    pair(
+    switches(ui, actions, [("Hydrogens", scene.hydrogens, &Action::Hydrogens), ("Water", scene.water, &Action::Water)]);
+    switches(
         ui,
         actions,
-        |ui, actions| {
-            switch(ui, "Hydrogens", scene.hydrogens, Action::Hydrogens, actions);
-        },
-        |ui, actions| {
-            switch(ui, "Water", scene.water, Action::Water, actions);
-        },
+        [("Hydrogen bonds", crystal.bonds.hydrogen_bonds, &Action::HydrogenBonds), ("Axes", scene.axes, &Action::Axes)],
     );
-    pair(
+    switches(
         ui,
         actions,
-        |ui, actions| {
-            switch(ui, "Hydrogen bonds", crystal.bonds.hydrogen_bonds, Action::HydrogenBonds, actions);
-        },
-        |ui, actions| {
-            switch(ui, "Axes", scene.axes, Action::Axes, actions);
-        },
-    );
-    pair(
-        ui,
-        actions,
-        |ui, actions| {
-            switch(ui, "Legend", scene.text.legend, Action::Legend, actions);
-        },
-        |ui, actions| {
-            switch(ui, "Scale bar", scene.text.scale_bar, Action::ScaleBar, actions);
-        },
+        [("Legend", scene.text.legend, &Action::Legend), ("Scale bar", scene.text.scale_bar, &Action::ScaleBar)],
     );
 }
 
 fn labels(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let text = &state.work.scene.text;
     let labels = text.labels;
-    pair(
+    switches(
         ui,
         actions,
-        |ui, actions| {
-            switch(ui, "Element", labels.element, |on| Action::Labels(LabelContent { element: on, ..labels }), actions);
-        },
-        |ui, actions| {
-            switch(ui, "Number", labels.index, |on| Action::Labels(LabelContent { index: on, ..labels }), actions);
-        },
+        [
+            ("Element", labels.element, &|on| Action::Labels(LabelContent { element: on, ..labels })),
+            ("Number", labels.index, &|on| Action::Labels(LabelContent { index: on, ..labels })),
+        ],
     );
-    pair(
+    switches(
         ui,
         actions,
-        |ui, actions| {
-            switch(ui, "Atom name", labels.name, |on| Action::Labels(LabelContent { name: on, ..labels }), actions);
-        },
-        |ui, actions| {
-            switch(ui, "Residue", labels.residue, |on| Action::Labels(LabelContent { residue: on, ..labels }), actions);
-        },
+        [
+            ("Atom name", labels.name, &|on| Action::Labels(LabelContent { name: on, ..labels })),
+            ("Residue", labels.residue, &|on| Action::Labels(LabelContent { residue: on, ..labels })),
+        ],
     );
     row(ui, "Size", |ui| {
         let mut size = text.size;

@@ -33,18 +33,16 @@ pub(super) fn switch(ui: &mut Ui, name: &str, on: bool, action: impl Fn(bool) ->
     }
 }
 
-/// Two things side by side, in columns.
-pub(super) fn pair(
-    ui: &mut Ui,
-    actions: &mut Vec<Action>,
-    left: impl FnOnce(&mut Ui, &mut Vec<Action>),
-    right: impl FnOnce(&mut Ui, &mut Vec<Action>),
-) {
+/// A switch: its name, whether it is on, and what it does.
+pub(super) type Switch<'a> = (&'a str, bool, &'a dyn Fn(bool) -> Action);
+
+/// Two switches side by side, in columns.
+pub(super) fn switches(ui: &mut Ui, actions: &mut Vec<Action>, [left, right]: [Switch<'_>; 2]) {
     ui.horizontal(|ui| {
         let start = ui.cursor().left();
-        left(ui, actions);
+        switch(ui, left.0, left.1, left.2, actions);
         ui.add_space((start + COLUMN_WIDTH - ui.cursor().left()).max(0.0));
-        right(ui, actions);
+        switch(ui, right.0, right.1, right.2, actions);
     });
 }
 

@@ -168,9 +168,9 @@ impl Sight {
         Sight { tubes, casters }
     }
 
-    /// About how many bytes that many primitives take, measured on proteins.
+    /// About how many bytes that many primitives take: a caster, and its number in some four tubes.
     pub(super) fn bytes(primitives: usize) -> usize {
-        48 * primitives
+        (size_of::<Caster>() + 4 * size_of::<u32>()) * primitives
     }
 
     /// Clears the lanes of `free` whose light something in a tube stands in the way of. `exactly` does so for a primitive of

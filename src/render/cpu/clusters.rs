@@ -211,9 +211,9 @@ impl Sight {
         Sight { tubes, boxes }
     }
 
-    /// About how many bytes that many clusters take, measured on proteins.
+    /// About how many bytes that many clusters take: a box and a number in some four tubes.
     pub(super) fn bytes(clusters: usize) -> usize {
-        80 * clusters
+        4 * 6 * size_of::<f32>() * clusters
     }
 
     /// Clears the lanes of `free` whose light something in a tube stands in the way of. `exactly` does so for a primitive that

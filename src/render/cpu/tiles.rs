@@ -95,6 +95,11 @@ impl Work for Samples<'_, '_> {
 type TileSums = Vec<f32>;
 
 impl Picture<'_> {
+    /// The sums of all tiles before anything is added.
+    fn nothing(&self) -> Vec<TileSums> {
+        vec![TileSums::new(); (self.bins.tiles[0] * self.bins.tiles[1]) as usize]
+    }
+
     /// Adds samples of a tile.
     fn add(&self, bench: &mut Bench, tile: usize, (passes, questions): (&[Pass], &Questions<'_>), sums: &mut TileSums) {
         if self.bins.is_empty(tile) {
@@ -204,7 +209,7 @@ pub(super) fn image(
     let parts = lights.parts(&shadows, samples);
     let side = Pass::all(parts[0].clone(), samples).first().map_or(1, |pass| pass.side);
     let picture = Picture::new(Shader::new(&frame, &solids, ground_map), view, side * SIDE as u32);
-    let mut sums = vec![TileSums::new(); (picture.bins.tiles[0] * picture.bins.tiles[1]) as usize];
+    let mut sums = picture.nothing();
     let (last, before) = parts.split_last().unwrap_or((&(0..0), &[]));
     for part in before {
         let questions = shadows.look(lights, part);
@@ -231,7 +236,7 @@ fn image_through(
     let side = 4 * SIDE as u32;
     let (frame, none) = (FrameConstants::new(scene, view, settings), Solids::default());
     let picture = Picture::new(Shader::new(&frame, &none, ground_map), view, side);
-    let mut sums = vec![TileSums::new(); (picture.bins.tiles[0] * picture.bins.tiles[1]) as usize];
+    let mut sums = picture.nothing();
     for sample in 0..samples {
         let view = lens.view(view, sample, samples);
         let frame = FrameConstants::new(scene, &view, settings);

@@ -2,6 +2,7 @@
 
 use super::cone::nappe_interval;
 use super::cylinder::{capped_interval, cylinder_ray, side_interval};
+use super::sphere::sphere_interval;
 use super::torus::{ring_distance, torus_hit};
 use super::{FLAT_CAPS, body_interval, local_ray, max, primitive_t, select, slab_interval};
 use crate::render::outline::{Outline, RIM};
@@ -19,17 +20,7 @@ fn middle((entry, exit): (f32, f32), near: f32) -> f32 {
 #[inline(always)]
 #[must_use]
 pub fn sphere_middle_t(ray: &Ray, sphere: &Sphere, near: f32) -> f32 {
-    let d = ray.direction;
-    let dd = d.x * d.x + d.y * d.y + d.z * d.z;
-    let c = sphere.center - ray.origin;
-    let t0 = (c.x * d.x + c.y * d.y + c.z * d.z) / dd;
-    let p = d * t0 - c;
-    let pd = p.x * d.x + p.y * d.y + p.z * d.z;
-    let outside = p.x * p.x + p.y * p.y + p.z * p.z - sphere.radius * sphere.radius;
-    let discriminant = pd * pd - dd * outside;
-    let root = max(discriminant, 0.0).sqrt();
-    let (entry, exit) = (t0 + (-pd - root) / dd, t0 + (-pd + root) / dd);
-    select(discriminant >= 0.0, middle((entry, exit), near), f32::INFINITY)
+    middle(sphere_interval(ray, sphere), near)
 }
 
 /// `t` midway through a cylinder, open or not; infinity for a miss.

@@ -5,10 +5,9 @@ use crate::render::solids::Sphere;
 use crate::scene::Ray;
 use glam::Vec3;
 
-/// `t` of the first hit with a sphere at `t ≥ near`; `near` itself inside the sphere; infinity for a miss.
+/// Where a ray is inside a sphere; an empty interval for a miss.
 #[inline(always)]
-#[must_use]
-pub fn sphere_t(ray: &Ray, sphere: &Sphere, near: f32) -> f32 {
+pub(super) fn sphere_interval(ray: &Ray, sphere: &Sphere) -> (f32, f32) {
     let d = ray.direction;
     let dd = d.x * d.x + d.y * d.y + d.z * d.z;
     let c = sphere.center - ray.origin;
@@ -18,9 +17,16 @@ pub fn sphere_t(ray: &Ray, sphere: &Sphere, near: f32) -> f32 {
     let outside = p.x * p.x + p.y * p.y + p.z * p.z - sphere.radius * sphere.radius;
     let discriminant = pd * pd - dd * outside;
     let root = max(discriminant, 0.0).sqrt();
-    let entry = t0 + (-pd - root) / dd;
-    let exit = t0 + (-pd + root) / dd;
-    select(discriminant >= 0.0, visible_t(entry, exit, near), f32::INFINITY)
+    let (entry, exit) = (t0 + (-pd - root) / dd, t0 + (-pd + root) / dd);
+    (select(discriminant >= 0.0, entry, f32::INFINITY), exit)
+}
+
+/// `t` of the first hit with a sphere at `t ≥ near`; `near` itself inside the sphere; infinity for a miss.
+#[inline(always)]
+#[must_use]
+pub fn sphere_t(ray: &Ray, sphere: &Sphere, near: f32) -> f32 {
+    let (entry, exit) = sphere_interval(ray, sphere);
+    visible_t(entry, exit, near)
 }
 
 /// Unit normal of a sphere at the hit that [`sphere_t`] gave; towards the camera where the near plane cuts the solid.
