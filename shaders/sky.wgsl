@@ -2,8 +2,7 @@
 #import "shade.wgsl"
 #import "tubes.wgsl"
 
-// As in src/render/sky.rs; from 1000 angstrom on more, because the point is rounded to a part of its depth, and unlike on the
-// CPU a surface is asked whether it hides itself.
+// As in src/render/sky.rs.
 const START_OFFSET: f32 = 1e-3;
 const START_ROUNDING: f32 = 1e-6;
 

@@ -1,5 +1,5 @@
-// Whether something hides the light of a direction from a point: the twins of src/render/tubes.rs and, for one point at a
-// time, of `walk` in src/render/cpu/reach.rs. Comments stand there.
+// Whether something hides the light of a direction from a point: the tubes of src/render/tubes.rs, and in them, one point at a
+// time, the functions of src/render/cpu/behind.rs. (Balls and sticks the CPU asks by other means, src/render/cpu/casters.rs.)
 #import "distance.wgsl"
 #import "opacity.wgsl"
 #import "cone_hit.wgsl"
@@ -83,7 +83,7 @@ fn rare_top(rare: Rare, d: vec3<f32>) -> f32 {
     return rare.a.w * abs(cosine) + select(rare.b.x, max(rare.b.x, rare.b.y), rare.kind == 1u);
 }
 
-// Twin of behind_other; the point is the ray's origin, from the primitive's centre.
+// As `behind` in src/render/cpu/behind.rs; the point is the ray's origin, from the primitive's centre.
 fn is_behind_rare(rare: Rare, p: vec3<f32>, d: vec3<f32>) -> bool {
     let ray = Ray(p, d);
     let center = vec3<f32>(0.0);

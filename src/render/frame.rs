@@ -169,7 +169,7 @@ impl FrameConstants {
         self.ground == other.ground
             && self.ground_map == other.ground_map
             && self.ground_map_size == other.ground_map_size
-            && self.key_in_world == other.key_in_world
+            && self.key_in_world() == other.key_in_world()
             && self.bounds_min == other.bounds_min
             && self.bounds_max == other.bounds_max
     }

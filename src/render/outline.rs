@@ -10,7 +10,7 @@
 //! The width is that of the primitive's middle, and never more than [`MOST_WIDTH`] of the radius, so that thin sticks
 //! keep their colour in pictures of large molecules.
 //!
-//! Limits: triangles have no outlines. A stick that runs far into the depth has lines of one width, not narrower ones at its far end.
+//! Limits: triangles have no outlines. Through the openings of a stick without caps one sees its line.  A stick that runs far into the depth has lines of one width, not narrower ones at its far end.
 //!
 //! `shaders/outline.wgsl` holds the twin.
 

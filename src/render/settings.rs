@@ -55,7 +55,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// More directions than this change nothing that can be seen, and every device has as many layers in a texture.
+    /// More directions than this change nothing that can be seen (chosen: quality `high` asks as many).
     pub const MOST_DIRECTIONS: u32 = 256;
 }
 

@@ -10,6 +10,7 @@
 //! sample asks four, well apart from one another, and the pixel has asked all of them. That costs a sixteenth of asking all
 //! at every sample, and unlike asking once a pixel it is smooth wherever a pixel shows more than one thing.
 
+use crate::math::max;
 use glam::Vec3;
 
 /// Directions about the key light that are asked. Chosen: 16 steps of a penumbra are finer than its edge is long.
@@ -21,6 +22,15 @@ pub const SHADOW_CONE_RAD: f32 = 3.0 * std::f32::consts::PI / 180.0;
 
 /// Rays start this far above their surface point, in ångström, so that rounding does not let a surface hide itself.
 pub const START_OFFSET: f32 = 1e-3;
+/// And this part of the point's depth at least, which rounded the point: it counts from 1000 Å on.
+pub const START_ROUNDING: f32 = 1e-6;
+
+/// How far above a surface point at this depth its rays start, ångström.
+#[inline(always)]
+#[must_use]
+pub fn start_offset(depth: f32) -> f32 {
+    max(START_OFFSET, START_ROUNDING * depth)
+}
 
 /// How much of the light from afar reaches a surface point, 0–1.
 #[derive(Debug, Clone, Copy, PartialEq)]

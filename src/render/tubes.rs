@@ -6,7 +6,7 @@
 //! along the direction holds for each tube the primitives that reach into it, highest first. A ray asks the few that are
 //! above it, exactly, and no others: the answer is that of a ray through the whole scene.
 //!
-//! Both renderers ask the same lists: the CPU for sixteen points at a time, the GPU from textures.
+//! The GPU asks the lists from textures. The CPU asks sixteen points at a time; of a large scene its lists are of clusters.
 
 use super::sky::across;
 use super::solids::{Primitive, Solids};

@@ -35,9 +35,9 @@ pub struct CpuRenderer {
     scene: Option<Arc<Scene>>,
     /// The distance field of the loaded scene, made when a ground first needs it.
     field: Option<Field>,
-    /// The last ground map and the constants it was made with.
-    ground_map: Option<(FrameConstants, GroundMap)>,
-    /// Maps of the sky and of the key light of the loaded scene.
+    /// The last ground maps and the constants they were made with: in motion and at rest they differ in texels.
+    ground_maps: [Option<(FrameConstants, GroundMap)>; 2],
+    /// What is known of the sky's and the key light's directions of the loaded scene.
     lights: Lights,
 }
 
@@ -49,12 +49,13 @@ impl CpuRenderer {
     }
 
     /// The ground map for these constants; found anew only if something it depends on has changed.
-    fn ground_map(&mut self, scene: &Scene, frame: &FrameConstants) -> GroundMap {
+    fn ground_map(&mut self, scene: &Scene, frame: &FrameConstants, in_motion: bool) -> GroundMap {
         if !frame.has_ground() {
             return GroundMap::none();
         }
-        let kept = self.ground_map.take().filter(|(old, _)| old.same_ground_map(frame));
-        let (_, map) = self.ground_map.insert(kept.unwrap_or_else(|| {
+        let place = &mut self.ground_maps[usize::from(in_motion)];
+        let kept = place.take().filter(|(old, _)| old.same_ground_map(frame));
+        let (_, map) = place.insert(kept.unwrap_or_else(|| {
             let field = self.field.get_or_insert_with(|| Field::new(scene));
             (*frame, field.ground_map(frame))
         }));
@@ -66,9 +67,9 @@ impl CpuRenderer {
     pub fn image_unless(&mut self, view: &View, settings: &Settings, stop: &AtomicBool) -> Option<Image> {
         let scene = self.scene.clone().unwrap_or_else(|| Arc::new(Scene::from_blocks(Vec::new(), Vec::new())));
         let frame = FrameConstants::new(&scene, view, settings);
-        let ground_map = self.ground_map(&scene, &frame);
         // Drawing in motion does not ask, and must not throw away what the picture at rest needs again.
         let asks = settings.ao > 0 || settings.shadow;
+        let ground_map = self.ground_map(&scene, &frame, !asks);
         let mut none = Lights::none();
         if asks {
             self.lights.update(&frame, settings);
@@ -101,7 +102,7 @@ impl Renderer for CpuRenderer {
         if !same {
             self.field = None;
             self.lights = Lights::none();
-            self.ground_map = None;
+            self.ground_maps = [None, None];
         }
         self.scene = Some(scene);
         Ok(())

@@ -110,7 +110,7 @@ impl Lights {
     /// The samples of a picture in parts whose directions are looked along at once.
     pub(super) fn parts(&self, shadows: &Shadows<'_>, samples: u32) -> Vec<Range<u32>> {
         let bytes = match &shadows.crowd {
-            Crowd::Each { bodies, .. } => casters::Sight::bytes(bodies.len()),
+            Crowd::Each(bodies) => casters::Sight::bytes(bodies.len()),
             Crowd::Clusters(clusters) => clusters::Sight::bytes(clusters.len()),
         };
         let all = (self.sky.sights.len() + self.key.sights.len()) * bytes;
@@ -130,9 +130,9 @@ pub(super) struct Shadows<'a> {
     crowd: Crowd,
 }
 
-/// The primitives one by one, with the width of tubes in ångström, or in clusters.
+/// The primitives one by one, or in clusters.
 enum Crowd {
-    Each { bodies: Vec<Body>, width: f32 },
+    Each(Vec<Body>),
     Clusters(Clusters),
 }
 
@@ -148,7 +148,7 @@ impl<'a> Shadows<'a> {
         let center_in_view = view_from_world.transform_point3(scene.bounds().center());
         let bodies = if lights.asks() { Body::all(solids) } else { Vec::new() };
         let crowd = if bodies.len() < many {
-            Crowd::Each { bodies, width: width_of(solids) }
+            Crowd::Each(bodies)
         } else {
             if lights.order.len() != bodies.len() {
                 lights.order = Order::new(&bodies);
@@ -178,10 +178,12 @@ impl<'a> Shadows<'a> {
                 }
             }
         }
+        // Of all primitives: not where everything is known.
+        let width = if wanted.is_empty() { 0.0 } else { width_of(self.solids) };
         wanted.into_par_iter().with_max_len(1).for_each(|(toward, sight)| {
             let axes = self.axes(toward);
             *sight = Some(match &self.crowd {
-                Crowd::Each { bodies, width } => Sight::Each(casters::Sight::new(bodies, self.solids, &axes, *width)),
+                Crowd::Each(bodies) => Sight::Each(casters::Sight::new(bodies, self.solids, &axes, width)),
                 Crowd::Clusters(clusters) => Sight::Clusters(clusters::Sight::new(clusters, &axes)),
             });
         });
@@ -192,7 +194,7 @@ impl<'a> Shadows<'a> {
                 .collect(),
         };
         let clusters = match &self.crowd {
-            Crowd::Each { .. } => None,
+            Crowd::Each(_) => None,
             Crowd::Clusters(clusters) => Some(clusters),
         };
         Questions { sky: seen(sky), key: seen(key), solids: self.solids, samples: *of_pixel, clusters }

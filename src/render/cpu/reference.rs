@@ -10,7 +10,7 @@ use crate::render::image::{GBuffer, Image, SkyVisibility};
 use crate::render::lens::Lens;
 use crate::render::outline::{Outline, RIM};
 use crate::render::settings::{Settings, View, sample_offset};
-use crate::render::sky::{self, Reach, START_OFFSET, Turns};
+use crate::render::sky::{self, Reach, Turns};
 use crate::render::solids::Solids;
 use crate::scene::{PixelGrid, Ray, Scene};
 use glam::{Vec3, Vec4};
@@ -104,7 +104,7 @@ impl Reaches {
         if t <= self.near {
             return self.unasked;
         }
-        let origin = ray.origin + ray.direction * t + normal * START_OFFSET;
+        let origin = ray.origin + ray.direction * t + normal * sky::start_offset(t);
         let free = |direction| reference.is_free(&Ray { origin, direction }, [sample, samples]);
         sky::reach(normal, self.sky.of_sample(sample), self.key.of_sample(sample), self.unasked, free)
     }

@@ -13,7 +13,7 @@ use super::tile::{Place, SIDE, Tile};
 use crate::math::{max, min};
 use crate::render::frame::{self, shade_outline, shade_surfaces};
 use crate::render::outline::RIM;
-use crate::render::sky::START_OFFSET;
+use crate::render::sky::start_offset;
 use crate::render::solids::Primitive;
 use crate::scene::PixelGrid;
 use glam::Vec3;
@@ -281,7 +281,7 @@ fn surfaces(shader: &Shader<'_>, place: &Place<'_>, samples: Samples) -> (Surfac
         let n = n * if n.x * d.x + n.y * d.y + n.z * d.z > 0.0 { -over } else { over };
         let is_b = along > 0.0;
         for part in 0..3 {
-            points.position[part][lane] = hit[part] + n[part] * START_OFFSET;
+            points.position[part][lane] = hit[part] + n[part] * start_offset(depth);
             points.normal[part][lane] = n[part];
             albedo[part][lane] = if is_b { facts.colors[1][part][lane] } else { facts.colors[0][part][lane] };
         }
@@ -303,7 +303,7 @@ fn others(shader: &Shader<'_>, place: &Place<'_>, samples: &Samples, points: &mu
         }
         let ray = place.grid.ray((samples.u[lane], samples.v[lane]));
         let surface = shader.surface(&ray, index, samples.t[lane]);
-        let start = ray.origin + ray.direction * samples.t[lane] + surface.normal * START_OFFSET;
+        let start = ray.origin + ray.direction * samples.t[lane] + surface.normal * start_offset(samples.t[lane]);
         for (part, albedo) in albedo.iter_mut().enumerate() {
             points.position[part][lane] = start[part];
             points.normal[part][lane] = surface.normal[part];

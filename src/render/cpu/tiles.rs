@@ -212,8 +212,15 @@ pub(super) fn image(
     let mut sums = picture.nothing();
     let (last, before) = parts.split_last().unwrap_or((&(0..0), &[]));
     for part in before {
+        if stop.load(Ordering::Relaxed) {
+            break;
+        }
         let questions = shadows.look(lights, part);
         picture.add_to_all((&Pass::all(part.clone(), samples), &questions), &mut sums, stop);
+    }
+    if stop.load(Ordering::Relaxed) {
+        // Nobody looks at it, and what is known of other directions is kept.
+        return picture.put_together(sums, stop, |_, _, _| Vec::new());
     }
     let questions = shadows.look(lights, last);
     let passes = Pass::all(last.clone(), samples);
@@ -238,11 +245,17 @@ fn image_through(
     let picture = Picture::new(Shader::new(&frame, &none, ground_map), view, side);
     let mut sums = picture.nothing();
     for sample in 0..samples {
+        if stop.load(Ordering::Relaxed) {
+            break;
+        }
         let view = lens.view(view, sample, samples);
         let frame = FrameConstants::new(scene, &view, settings);
         let solids = Solids::new(scene, view.camera.view_from_world());
         let shadows = Shadows::new(scene, &view, &solids, lights);
-        let questions = shadows.look(lights, &(sample..sample + 1));
+        // Directions hold for every point of the lens: those of a part are found once.
+        let parts = lights.parts(&shadows, samples);
+        let part = parts.into_iter().find(|part| part.contains(&sample)).unwrap_or(sample..sample + 1);
+        let questions = shadows.look(lights, &part);
         let seen = Picture::new(Shader::new(&frame, &solids, ground_map), &view, side);
         seen.add_to_all((&[Pass::of_one(sample, samples)], &questions), &mut sums, stop);
     }

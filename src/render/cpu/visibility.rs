@@ -7,7 +7,7 @@ use super::tiles;
 use crate::math::max;
 use crate::render::image::{GBuffer, SkyVisibility};
 use crate::render::settings::View;
-use crate::render::sky::{Reach, START_OFFSET};
+use crate::render::sky::{Reach, start_offset};
 use crate::render::solids::Solids;
 use crate::scene::{Ray, Scene};
 use glam::Vec3;
@@ -17,8 +17,6 @@ use rayon::prelude::*;
 const DIRECTIONS_AT_A_TIME: usize = 8;
 /// Blocks of points that a thread asks for together.
 const BLOCKS_TOGETHER: usize = 64;
-/// Rays start this part of the point's depth above it at least: it was rounded when its depth was.
-const START_ROUNDING: f32 = 1e-6;
 
 /// Points that ask, and the weights of the directions that were free, and of all.
 #[derive(Clone, Default)]
@@ -63,7 +61,7 @@ fn block_of(view: &View, seen: &GBuffer, pixels: &[u32]) -> Block {
         let (x, y) = (pixel % region.width + region.x, pixel / region.width + region.y);
         let (t, normal) = (seen.depth[pixel as usize], Vec3::from(seen.normal[pixel as usize]));
         let Ray { origin, direction } = grid.ray(grid.plane(x as f32 + 0.5, y as f32 + 0.5));
-        let start = origin + direction * t + normal * max(START_OFFSET, START_ROUNDING * t);
+        let start = origin + direction * t + normal * start_offset(t);
         for axis in 0..3 {
             points.position[axis][lane] = start[axis];
             points.normal[axis][lane] = normal[axis];

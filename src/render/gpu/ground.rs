@@ -35,7 +35,7 @@ pub(super) struct Casters {
 #[derive(Debug)]
 pub(super) struct Ground {
     field: Option<FieldHome>,
-    map: Option<(FrameConstants, wgpu::TextureView)>,
+    maps: [Option<(FrameConstants, wgpu::TextureView)>; 2],
     /// Full light, bound where there is no ground.
     none: wgpu::TextureView,
 }
@@ -43,20 +43,20 @@ pub(super) struct Ground {
 impl Ground {
     pub(super) fn new(gpu: &Gpu) -> Ground {
         let none = gpu.texture("no ground", [1, 1], GROUND_FORMAT, wgpu::TextureUsages::TEXTURE_BINDING);
-        Ground { field: None, map: None, none: view_of(&none) }
+        Ground { field: None, maps: [None, None], none: view_of(&none) }
     }
 
     /// Forgets the scene.
     pub(super) fn clear(&mut self) {
-        (self.field, self.map) = (None, None);
+        (self.field, self.maps) = (None, [None, None]);
     }
 
     /// The map of the last [`Ground::prepare`].
     pub(super) fn light(&self, frame: &FrameConstants) -> &wgpu::TextureView {
-        match &self.map {
-            Some((made_for, view)) if frame.has_ground() && made_for.same_ground_map(frame) => view,
-            _ => &self.none,
-        }
+        let fits = |(made_for, _): &&(FrameConstants, wgpu::TextureView)| {
+            frame.has_ground() && made_for.same_ground_map(frame)
+        };
+        self.maps.iter().flatten().find(fits).map_or(&self.none, |(_, view)| view)
     }
 
     /// The primitives on the device; `None` where they do not fit it.
@@ -76,11 +76,19 @@ impl Ground {
     }
 
     /// Makes the map of this frame unless it is there. The frame's uniform is written already.
-    pub(super) fn prepare(&mut self, gpu: &Gpu, passes: &Passes, scene: &Scene, frame: &FrameConstants) -> Result<()> {
-        if !frame.has_ground() || self.map.as_ref().is_some_and(|(old, _)| old.same_ground_map(frame)) {
+    pub(super) fn prepare(
+        &mut self,
+        gpu: &Gpu,
+        passes: &Passes,
+        scene: &Scene,
+        frame: &FrameConstants,
+        in_motion: bool,
+    ) -> Result<()> {
+        let place = usize::from(in_motion);
+        if !frame.has_ground() || self.maps[place].as_ref().is_some_and(|(old, _)| old.same_ground_map(frame)) {
             return Ok(());
         }
-        self.map = None;
+        self.maps[place] = None;
         let field = self.take_field(gpu, passes, scene)?;
         let size = frame.ground_grid().size;
         let made = gpu.guard("the ground map", || match &field {
@@ -88,7 +96,7 @@ impl Ground {
             FieldHome::Host(field) => Ok(upload(gpu, &field.ground_map(frame))),
         });
         self.field = Some(field);
-        self.map = Some((*frame, made?));
+        self.maps[place] = Some((*frame, made?));
         Ok(())
     }
 }

@@ -167,7 +167,7 @@ impl GpuRenderer {
             let place = (scene.bounds().center(), frame.key_in_world());
             self.sky.prepare(&self.gpu, &self.passes, casters, place, settings)?;
         }
-        self.ground.prepare(&self.gpu, &self.passes, &scene, &frame)?;
+        self.ground.prepare(&self.gpu, &self.passes, &scene, &frame, !asks(settings))?;
         Ok(frame)
     }
 

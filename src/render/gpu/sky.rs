@@ -1,5 +1,5 @@
 //! Light from afar on the device: the tubes of [`crate::render::tubes`] as textures, which `shaders/sky.wgsl` asks for the
-//! directions that are a sample's turn. The same numbers as on the CPU, from the same lists.
+//! directions that are a sample's turn. The same numbers as on the CPU.
 //!
 //! Tubes of all directions are uploaded at once, and kept as long as scene, light, directions and samples stay, or,
 //! where those would be large, made anew for each sample, for its directions only.
@@ -112,11 +112,6 @@ impl Sky {
             self.group = Some(self.bound(gpu, passes, [sky, key]));
         }
         Ok(())
-    }
-
-    /// Whether [`Sky::prepare`] has nothing to do.
-    pub(super) fn is_ready(&self, key_in_world: Vec3, settings: &Settings) -> bool {
-        self.lights.each_ref().map(|light| light.source) == Source::wanted(key_in_world, settings)
     }
 
     /// Whether each sample has tubes of its own, which may be large.

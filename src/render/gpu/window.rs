@@ -14,9 +14,6 @@ use crate::render::{Image, Settings, View};
 use crate::scene::Region;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What is shown while the light of a finished picture is being made: one sample without it.
-const GLANCE: Settings = Settings { samples: 1, ground_texels: 96, ao: 0, shadow: false };
-
 /// A picture that grows sample by sample.
 #[derive(Debug, Default)]
 pub struct Accumulation {
@@ -112,12 +109,6 @@ impl GpuRenderer {
             window.painter.update(&self.gpu, &mut over.textures);
             Ok(())
         })?;
-        // What a finished picture's light takes may take its time: something is shown before.
-        let key_in_world = self.constants(&self.scene(), view, settings).key_in_world();
-        if done == 0 && asks(settings) && !self.sky.is_ready(key_in_world, settings) {
-            self.accumulate(&mut window.sum, view, &GLANCE, 0, 1)?;
-            self.show(window, &over, true)?;
-        }
         self.accumulate(&mut window.sum, view, settings, done, add)?;
         self.show(window, &over, done == 0 || add > 0)
     }
