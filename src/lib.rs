@@ -111,6 +111,9 @@
 //! - Of meshes neither textures nor, in glTF, sparse accessors, compression, skins and morph targets are read; polygons of OBJ files are
 //!   fans, so that concave ones come out wrong. Vectors do not turn with symmetry operations: no format that states them has any.
 
+// `json!` takes two steps for each setting of a picture.
+#![recursion_limit = "256"]
+
 #[cfg(feature = "window")]
 pub mod app;
 pub mod bonds;

@@ -104,6 +104,8 @@ pub(super) enum Action {
     Panel(bool),
     Theme(super::preferences::Theme),
     Mouse(super::mouse::Preset),
+    /// Give up what is being read or made.
+    Cancel,
     /// Leave what is going on: a dialog, measuring, loading, the picked atoms.
     Escape,
 }

@@ -1,5 +1,6 @@
 //! From the work to a scene, at once for small molecules and on a thread for large ones.
 
+use super::loader::guarded;
 use super::work::Work;
 use crate::crystal::{self, CrystalOptions, Drawn};
 use crate::error::{Error, Result};
@@ -37,22 +38,10 @@ impl Spec {
 
     /// Whether a scene of the other has the same primitives, so that only its light may differ.
     pub(super) fn same_primitives(&self, other: &Spec) -> bool {
-        let lit_as_other = SceneOptions {
-            perspective: other.scene.perspective,
-            look: other.scene.look,
-            light: other.scene.light,
-            fog: other.scene.fog,
-            outline: other.scene.outline,
-            outline_color: other.scene.outline_color,
-            depth_of_field: other.scene.depth_of_field,
-            background: other.scene.background,
-            ground: other.scene.ground,
-            ..self.scene.clone()
-        };
         let same_layer = |(a, b): (&Layer, &Layer)| a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1) && a.2 == b.2;
         self.layers.len() == other.layers.len()
             && self.layers.iter().zip(&other.layers).all(same_layer)
-            && lit_as_other == other.scene
+            && self.scene.lit_as(&other.scene) == other.scene
             && self.crystal == other.crystal
             && self.cell_box == other.cell_box
     }
@@ -64,9 +53,7 @@ impl Spec {
 
     /// The primitives of another one, in this one's light.
     pub(super) fn with_primitives_of(self, other: &Spec) -> Spec {
-        let SceneOptions { perspective, look, background, ground, .. } = self.scene;
-        let scene = SceneOptions { perspective, look, background, ground, ..other.scene.clone() };
-        Spec { scene, ..other.clone() }
+        Spec { scene: other.scene.lit_as(&self.scene), ..other.clone() }
     }
 
     /// The same with the pose that the scene got.
@@ -168,6 +155,9 @@ impl Maker {
 #[derive(Default)]
 struct Slot {
     wanted: Option<Spec>,
+    /// Counts what was asked for and given up: a scene that was begun before is not wanted any more.
+    turn: u64,
+    /// Whether the newest scene that was asked for is still to come.
     busy: bool,
     done: Option<Result<Built>>,
     closing: bool,
@@ -199,13 +189,17 @@ impl Builder {
                     if let Some(spec) = state.wanted.take() {
                         break spec;
                     }
-                    state.busy = false;
                     state = turn.wait(state).unwrap_or_else(PoisonError::into_inner);
                 };
+                let begun = state.turn;
                 drop(state);
-                let done = maker.build(spec);
-                lock(slot).done = Some(done);
-                wake();
+                let done = guarded(|| maker.build(spec));
+                let mut state = lock(slot);
+                if state.turn == begun {
+                    (state.done, state.busy) = (Some(done), false);
+                    drop(state);
+                    wake();
+                }
             }
         };
         // Without a thread nothing is ever built there; the window then says that it still works on it.
@@ -216,8 +210,8 @@ impl Builder {
     /// Asks for a scene in place of any that waits.
     pub(super) fn ask(&self, spec: Spec) {
         let mut slot = lock(&self.shared.0);
-        slot.wanted = Some(spec);
-        slot.busy = true;
+        slot.turn += 1;
+        (slot.wanted, slot.done, slot.busy) = (Some(spec), None, true);
         self.shared.1.notify_one();
     }
 
@@ -230,7 +224,8 @@ impl Builder {
     /// Forgets what was asked for.
     pub(super) fn cancel(&self) {
         let mut slot = lock(&self.shared.0);
-        (slot.wanted, slot.done) = (None, None);
+        slot.turn += 1;
+        (slot.wanted, slot.done, slot.busy) = (None, None, false);
     }
 
     /// What is finished, once.

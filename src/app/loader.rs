@@ -188,7 +188,7 @@ fn read(
 }
 
 /// A panic, which is a bug of ours, becomes an error: the window stays open.
-fn guarded<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+pub(super) fn guarded<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
     catch_unwind(AssertUnwindSafe(work))
         .unwrap_or_else(|_| Err(Error::Unsupported("a bug in ballstick; please report it with the file".to_owned())))
 }

@@ -9,6 +9,7 @@ use crate::scene::{Background, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
 
 /// Sides of a picture that is gathered in memory; larger ones are for `render`.
 const MOST_SIDE: u32 = 16_384;
@@ -29,7 +30,7 @@ impl Dialog {
     /// The picture on the screen, at its size.
     pub(super) fn new(state: &State) -> Dialog {
         Dialog {
-            path: free_name(Path::new(""), &state.stem(), "png").display().to_string(),
+            path: free_name(&state.stem(), "png", &state.pictures.under_way).display().to_string(),
             width: state.view_px[0],
             height: state.view_px[1],
             transparent: state.work.scene.background == Background::Transparent,
@@ -44,31 +45,37 @@ pub(super) struct Pictures {
     wake: Waker,
     sender: Sender<(PathBuf, Result<()>)>,
     receiver: Receiver<(PathBuf, Result<()>)>,
-    pub(super) under_way: usize,
+    /// Paths of pictures that are being drawn, and the threads that draw them.
+    pub(super) under_way: Vec<(PathBuf, Option<JoinHandle<()>>)>,
+}
+
+impl Drop for Pictures {
+    /// A picture that was asked for is saved, whatever becomes of the window.
+    fn drop(&mut self) {
+        for thread in self.under_way.iter_mut().filter_map(|(_, thread)| thread.take()) {
+            // It has said what there is to say.
+            let _ = thread.join();
+        }
+    }
 }
 
 impl Pictures {
     pub(super) fn new(wake: Waker) -> Pictures {
         let (sender, receiver) = channel();
-        Pictures { wake, sender, receiver, under_way: 0 }
+        Pictures { wake, sender, receiver, under_way: Vec::new() }
     }
 }
 
-/// `stem-1.png`, or the next number that no file has.
-fn free_name(folder: &Path, stem: &str, extension: &str) -> PathBuf {
-    let name = |n: u32| folder.join(format!("{stem}-{n}.{extension}"));
-    (1..10_000).map(name).find(|path| !path.exists()).unwrap_or_else(|| folder.join(format!("{stem}.{extension}")))
+/// `stem-1.png`, or the next number that no file has, and none that is being written.
+pub(super) fn free_name(stem: &str, extension: &str, taken: &[(PathBuf, Option<JoinHandle<()>>)]) -> PathBuf {
+    let name = |n: u32| PathBuf::from(format!("{stem}-{n}.{extension}"));
+    let is_free = |path: &PathBuf| !path.exists() && taken.iter().all(|(other, _)| other != path);
+    (1..10_000).map(name).find(is_free).unwrap_or_else(|| PathBuf::from(format!("{stem}.{extension}")))
 }
 
 /// Saves the picture on the screen beside no other of its name.
 pub(super) fn quick(state: &mut State) {
-    let mut dialog = Dialog::new(state);
-    // A second press before the first picture is there gets a name of its own.
-    let stem = state.stem();
-    if state.pictures.under_way > 0 {
-        dialog.path =
-            free_name(Path::new(""), &format!("{stem}-{}", state.pictures.under_way + 1), "png").display().to_string();
-    }
+    let dialog = Dialog::new(state);
     save(state, &dialog);
 }
 
@@ -88,8 +95,9 @@ pub(super) fn save(state: &mut State, dialog: &Dialog) {
         scene.background = Background::Transparent;
     }
     let view = View::new(state.work.camera, dialog.width, dialog.height);
-    let (choice, settings) = (state.options.renderer, dialog.quality.settings());
+    let (choice, settings) = (state.options.renderer, state.fine(dialog.quality));
     let (sender, wake) = (state.pictures.sender.clone(), Arc::clone(&state.pictures.wake));
+    let name = path.clone();
     let draw = move || {
         let done = draw(Arc::new(scene), view, choice, &settings, &path);
         // The window may be gone.
@@ -97,7 +105,7 @@ pub(super) fn save(state: &mut State, dialog: &Dialog) {
         wake();
     };
     match std::thread::Builder::new().name("picture".to_owned()).spawn(draw) {
-        Ok(_) => state.pictures.under_way += 1,
+        Ok(thread) => state.pictures.under_way.push((name, Some(thread))),
         Err(error) => state.complain(format!("The system gives no thread to draw on: {error}")),
     }
 }
@@ -119,7 +127,7 @@ fn draw(scene: Arc<Scene>, view: View, choice: Choice, settings: &Settings, path
 /// Says which pictures are there.
 pub(super) fn poll(state: &mut State) {
     while let Ok((path, done)) = state.pictures.receiver.try_recv() {
-        state.pictures.under_way = state.pictures.under_way.saturating_sub(1);
+        state.pictures.under_way.retain(|(other, _)| *other != path);
         match done {
             Ok(()) => state.say(format!("Saved {}", path.display())),
             Err(error) => state.complain(error.to_string()),

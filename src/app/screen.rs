@@ -197,7 +197,7 @@ impl GpuScreen {
         if self.done.0 != state.version {
             self.done = (state.version, 0);
         }
-        let fine = state.work.quality.settings();
+        let fine = state.fine(state.work.quality);
         let samples = fine.samples;
         let is_at_rest = state.until_rest(Instant::now()).is_some_and(|rest| rest.is_zero());
         // First one sample in motion: coarse ground, no light from afar. At rest the sum begins anew with fine ones.
@@ -275,7 +275,8 @@ impl CpuScreen {
             version: state.version,
         };
         if state.work.layers.is_empty() {
-            // The start page covers it.
+            // The start page covers it, and what is opened next must not begin with it.
+            self.shown = None;
             self.posted = (state.version, true);
         } else if self.posted.0 != state.version {
             let coarse = (view.width / self.coarseness, view.height / self.coarseness);
@@ -287,7 +288,7 @@ impl CpuScreen {
             && self.coarse == state.version
             && state.until_rest(Instant::now()).is_some_and(|rest| rest.is_zero())
         {
-            self.worker.post(job(state.work.quality.settings(), true, view));
+            self.worker.post(job(state.fine(state.work.quality), true, view));
             self.posted = (state.version, true);
         }
         has_new

@@ -3,6 +3,7 @@
 //! The files of a session are read one after the other as they come; the settings, the picked atoms and the measurements are put in
 //! place when the last one is there, as one step that can be undone.
 
+use super::picking;
 use super::state::State;
 use super::work::{AtomKey, Layer, Source, Work};
 use crate::scene::Viewpoint;
@@ -39,57 +40,70 @@ pub(super) fn of(state: &State) -> Session {
         viewpoint,
     };
     let mut session = Session::of(&settings);
-    // Samples have no file; they are named after the program's own data.
     let file = |layer: &Layer| File {
         path: match &layer.source {
             Source::File(path) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
-            Source::Sample(name) => PathBuf::from(format!("{SAMPLE}{name}")),
+            Source::Sample(name) => PathBuf::from(name),
         },
         frame: u32::try_from(layer.frame + 1).unwrap_or(u32::MAX),
         visible: layer.visible,
     };
     session.files = work.layers.iter().map(file).collect();
     session.fitted = work.fitted;
-    let atom = |key: &AtomKey| -> Option<Atom> {
-        let file = work.layers.iter().position(|layer| layer.id == key.layer)?;
-        Some([u32::try_from(file + 1).ok()?, key.atom.checked_add(1)?])
-    };
-    session.picked = work.picked.iter().filter_map(atom).collect();
-    let whole = |atoms: &Vec<AtomKey>| atoms.iter().map(atom).collect::<Option<Vec<Atom>>>();
-    session.measurements = work.measurements.iter().filter_map(whole).collect();
+    session.picked = work.picked.iter().filter_map(|key| place(work, key)).collect();
+    session.measurements = places(work, work.measurements.iter());
     session
 }
 
-/// What stands before the name of a sample in the place of a path.
-const SAMPLE: &str = "sample:";
-
-/// The command line that makes the picture on the screen.
-pub(super) fn command_line(state: &State) -> String {
-    let mut session = of(state);
-    if session.fitted {
-        // The same fitted view in a picture of the same shape, unless frames or hidden molecules have their say in the pose.
-        let is_plain = session.files.len() == 1
-            && session.files[0].frame == 1
-            && state.options.scene.orientation == Default::default();
-        if is_plain {
-            session.camera = None;
-        }
-    }
-    session.command_line(state.view_px)
+/// An atom by the numbers of a session.
+fn place(work: &Work, key: &AtomKey) -> Option<Atom> {
+    let file = work.layers.iter().position(|layer| layer.id == key.layer)?;
+    Some([u32::try_from(file + 1).ok()?, key.atom.checked_add(1)?])
 }
 
-/// Where a session would be saved.
+fn places<'a>(work: &Work, measurements: impl Iterator<Item = &'a Vec<AtomKey>>) -> Vec<Vec<Atom>> {
+    let whole = |atoms: &Vec<AtomKey>| atoms.iter().map(|key| place(work, key)).collect::<Option<Vec<Atom>>>();
+    measurements.filter_map(whole).collect()
+}
+
+/// The command line that makes the picture on the screen; an error says why there is none.
+pub(super) fn command_line(state: &State) -> Result<String, &'static str> {
+    let shown: Vec<&Layer> = state.work.shown().collect();
+    if shown.iter().any(|layer| layer.source.path().is_none()) {
+        return Err(
+            "A command line names files, and a sample or standard input has no name: open the molecule from a file.",
+        );
+    }
+    if shown.windows(2).any(|pair| pair[0].frame != pair[1].frame) {
+        return Err("The molecules show different frames, and a command line has one --frame for all: save a session.");
+    }
+    let mut session = of(state);
+    // What is measured on atoms that are not drawn is not in the picture.
+    let is_drawn = |atoms: &&Vec<AtomKey>| atoms.iter().all(|&key| picking::ball(state, key).is_some());
+    session.measurements = places(&state.work, state.work.measurements.iter().filter(is_drawn));
+    Ok(session.command_line(state.view_px))
+}
+
+/// Where a session would be saved: beside no other of its name.
 pub(super) fn proposed(state: &State) -> String {
-    format!("{}.ballstick.json", state.stem())
+    let stem = state.stem();
+    let plain = PathBuf::from(format!("{stem}.ballstick.json"));
+    let path = if plain.exists() { super::pictures::free_name(&stem, "ballstick.json", &[]) } else { plain };
+    path.display().to_string()
 }
 
 /// Saves the session.
 pub(super) fn save(state: &mut State, path: &Path) {
-    let session = of(state);
-    if session.files.iter().any(|file| file.path.to_string_lossy().starts_with(SAMPLE)) {
-        return state
-            .complain("A session keeps the paths of files, and a sample has none: open the molecule from a file.");
+    if state.work.layers.iter().any(|layer| layer.source.path().is_none()) {
+        return state.complain(
+            "A session keeps the paths of files, and a sample or standard input has none: open the molecule from a file.",
+        );
     }
+    if path.exists() && !is_session(path) {
+        let path = path.display();
+        return state.complain(format!("{path} is there and is no session: choose another name."));
+    }
+    let session = of(state);
     match session.write(path) {
         Ok(()) => {
             state.shown.session = None;

@@ -9,10 +9,10 @@ use super::build::{Builder, Built, Maker, Spec, Waker};
 use super::history::History;
 use super::loader::{Loaded, Loader};
 use super::preferences::Preferences;
-use super::work::{AtomKey, Layer, Source, Work};
+use super::work::{AtomKey, Layer, Work};
 use super::{Options, picking, pictures, sessions};
 use crate::error::Error;
-use crate::render::{Quality, View};
+use crate::render::{Quality, Settings, View};
 use crate::scene::{AtomPlace, Camera, Measurement};
 use std::path::Path;
 use std::sync::Arc;
@@ -190,16 +190,11 @@ impl State {
         for (loaded, replaces) in self.loader.finished() {
             self.take_in(loaded, replaces);
         }
+        self.measure_as_asked();
         if let Some(done) = self.builder.take() {
-            let asked = self.asked.take();
+            self.asked = None;
             match done {
-                Ok(built) => {
-                    // Something newer may have been asked for in the meantime; it comes next.
-                    if self.builder.is_busy() {
-                        self.asked = asked;
-                    }
-                    self.accept(built);
-                }
+                Ok(built) => self.accept(built),
                 Err(error) => self.complain(error.to_string()),
             }
         }
@@ -211,6 +206,7 @@ impl State {
         for (loaded, replaces) in self.loader.wait() {
             self.take_in(loaded, replaces);
         }
+        self.measure_as_asked();
     }
 
     fn take_in(&mut self, loaded: Loaded, replaces: Option<u32>) {
@@ -227,7 +223,7 @@ impl State {
                 return self.complain(named);
             }
         };
-        if let Source::File(path) = &source {
+        if let Some(path) = source.path() {
             self.preferences.opened(path);
         }
         for diagnostic in document.diagnostics.iter().filter(|d| d.severity == crate::structure::Severity::Error) {
@@ -244,20 +240,30 @@ impl State {
                     return;
                 }
                 self.apply(Action::Add(Box::new(layer)));
-                self.measure_as_asked();
             }
         }
     }
 
-    /// Measures what the command line asks for, once all its files are there.
+    /// Measures what the command line asks for, once all its files are there: they were the first to be read, in its order.
     fn measure_as_asked(&mut self) {
-        if !self.loader.under_way().is_empty() {
+        if self.options.measurements.is_empty() || !self.loader.under_way().is_empty() {
             return;
         }
-        let layers: Vec<u32> = self.work.layers.iter().map(|layer| layer.id).collect();
         for Measurement { atoms } in std::mem::take(&mut self.options.measurements) {
-            let key = |place: &AtomPlace| Some(AtomKey { layer: *layers.get(place.item as usize)?, atom: place.atom });
-            self.work.measurements.extend(atoms.iter().map(key).collect::<Option<Vec<AtomKey>>>());
+            let key = |place: &AtomPlace| {
+                let layer = self.work.layer(place.item.checked_add(1)?)?;
+                let atoms = layer.document.records.first()?.atom_count();
+                // What is drawn of a crystal has other numbers than the file.
+                let is_there = (place.atom as usize) < atoms || layer.document.records[0].cell().is_some();
+                is_there.then_some(AtomKey { layer: layer.id, atom: place.atom })
+            };
+            match atoms.iter().map(key).collect::<Option<Vec<AtomKey>>>() {
+                Some(keys) => self.work.measurements.push(keys),
+                None => {
+                    let named: Vec<String> = atoms.iter().map(|p| format!("{}:{}", p.item + 1, p.atom + 1)).collect();
+                    self.complain(format!("--measure {}: not all of these atoms are there", named.join(",")));
+                }
+            }
         }
         self.update();
     }
@@ -345,13 +351,21 @@ impl State {
         }
         self.playing.last = Some(now);
         let before = self.work.layers.clone();
-        self.apply(Action::Step(1));
+        // Played frames are nothing to undo.
+        self.step(1);
+        self.update();
         let is_at_end = |layer: &Layer| layer.frame + 1 == layer.document.frame_count();
         if self.work.layers == before || (!self.playing.loops && self.work.layers.iter().all(is_at_end)) {
             self.playing.on = false;
             return None;
         }
         Some(pause)
+    }
+
+    /// The effort of a finished picture.
+    pub(super) fn fine(&self, quality: Quality) -> Settings {
+        let settings = quality.settings();
+        if self.work.scene.depth_of_field.is_some() { settings.through_lens() } else { settings }
     }
 
     /// What saved files are called after: the first file.

@@ -238,11 +238,11 @@ impl ApplicationHandler<Wake> for App {
                 }
                 let version = self.state.version;
                 let notices = self.state.notices.len();
-                let under_way = self.state.loader.under_way().len() + self.state.pictures.under_way;
+                let under_way = self.state.loader.under_way().len() + self.state.pictures.under_way.len();
                 self.state.poll();
                 let changed = self.state.version != version
                     || self.state.notices.len() != notices
-                    || self.state.loader.under_way().len() + self.state.pictures.under_way != under_way
+                    || self.state.loader.under_way().len() + self.state.pictures.under_way.len() != under_way
                     || self.state.shown.open.is_some();
                 // A finished picture alone needs no new interface.
                 self.stale |= changed;

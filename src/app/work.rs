@@ -4,7 +4,7 @@ use crate::crystal::CrystalOptions;
 use crate::import::Document;
 use crate::render::Quality;
 use crate::scene::{AtomPlace, Camera, Measurement, SceneOptions};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Where a molecule comes from.
@@ -16,6 +16,14 @@ pub(super) enum Source {
 }
 
 impl Source {
+    /// Where it can be read again; standard input and what is part of the program cannot.
+    pub(super) fn path(&self) -> Option<&Path> {
+        match self {
+            Source::File(path) if path.as_os_str() != "-" => Some(path),
+            _ => None,
+        }
+    }
+
     /// A short name for people.
     pub(super) fn name(&self) -> String {
         match self {

@@ -6,7 +6,7 @@ use super::values::{
     opacity, outline_width, part, positive, text_size,
 };
 use crate::color::Srgb8;
-use crate::scene::Viewpoint;
+use crate::scene::{Projection, Viewpoint};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroU32;
 use std::path::PathBuf;
@@ -273,6 +273,15 @@ pub struct TextArgs {
 }
 
 impl LookArgs {
+    /// Whether the picture is in perspective: a camera that was written down brings its projection.
+    #[must_use]
+    pub fn is_perspective(&self) -> bool {
+        match &self.camera {
+            Some(viewpoint) => matches!(viewpoint.projection, Projection::Perspective { .. }),
+            None => self.projection == ProjectionArg::Perspective,
+        }
+    }
+
     /// Whether there is a ground.
     #[must_use]
     pub fn has_ground(&self) -> bool {
@@ -629,6 +638,30 @@ mod tests {
         assert_eq!(args.look.view, Some(Direction([-1.0, 0.0, 0.0])));
         assert_eq!(render(&["--axis", "-1,1,0"]).unwrap().look.axis, Some(Axis([-1, 1, 0])));
         assert!(render(&["--no-ground", "--ground"]).unwrap().look.has_ground());
+    }
+
+    /// What the window copies is a command line of ours, whatever the projection.
+    #[test]
+    fn the_command_line_of_a_session_is_one() {
+        let document = crate::import::read_bytes(b"2\n\nO 0 0 0\nO 1 2 0\n", "a.xyz", &Default::default()).unwrap();
+        for perspective in [true, false] {
+            let options = crate::scene::SceneOptions { perspective, ..Default::default() };
+            let scene = crate::scene::Scene::new(&[crate::scene::Item::of(&document.records[0])], &options);
+            let viewpoint = Some(Viewpoint::of(&scene, &scene.fitted_camera(1.5)));
+            let mut session = crate::session::Session::of(&crate::session::Settings {
+                scene: options,
+                crystal: Default::default(),
+                cell_box: None,
+                quality: Default::default(),
+                viewpoint,
+            });
+            session.files = vec![crate::session::File { path: "a.xyz".into(), frame: 1, visible: true }];
+            let line = session.command_line([300, 200]);
+            let cli = Cli::try_parse_from(line.split(' ')).unwrap();
+            let Some(Command::Render(args)) = cli.command else { panic!("{line}") };
+            let pose = |viewpoint: Option<Viewpoint>| viewpoint.map(|viewpoint| viewpoint.pose);
+            assert_eq!((pose(args.look.camera), args.look.is_perspective()), (pose(viewpoint), perspective), "{line}");
+        }
     }
 
     #[test]

@@ -88,7 +88,7 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
         let (name, limit) = (format.extensions()[0], format.max_side());
         return Err(format!("--size {size}: {name} has at most {limit} pixels a side; use png"));
     }
-    if args.look.depth_of_field.is_some() && args.look.projection == ProjectionArg::Orthographic {
+    if args.look.depth_of_field.is_some() && !args.look.is_perspective() {
         return Err("--depth-of-field needs --projection perspective: parallel rays have no focus".to_owned());
     }
     if args.dpi.is_some() && !format.holds_resolution() {
@@ -256,7 +256,15 @@ fn settings(args: &RenderArgs, size: Size, inputs: &[&PathBuf]) -> serde_json::V
         "depth-of-field": look.depth_of_field,
         "focus": look.depth_of_field.map(|_| look.focus),
         "ground": look.has_ground(),
-        "projection": look.projection.name(),
+        "projection": if look.is_perspective() { ProjectionArg::Perspective } else { ProjectionArg::Orthographic }.name(),
+        "camera": text(look.camera.as_ref().map(|c| c as _)),
+        "measure": look.measure.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "no-hydrogens": look.no_hydrogens,
+        "no-water": look.no_water,
+        "haptic": look.haptic,
+        "cell": args.crystal.cell.name(),
+        "supercell": args.crystal.supercell.to_string(),
+        "cell-box": args.crystal.has_box(),
         "view": text(look.view.as_ref().map(|v| v as _)),
         "axis": text(look.axis.as_ref().map(|a| a as _)),
         "aromatic": look.aromatic.name(),

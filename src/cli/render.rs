@@ -1,6 +1,6 @@
 //! From arguments to scene and renderer: the only module of the command line that knows them.
 
-use super::args::{LabelArg, LookArgs, Named, ProjectionArg, RenderArgs, RendererArgs, TextArgs};
+use super::args::{LabelArg, LookArgs, Named, RenderArgs, RendererArgs, TextArgs};
 use super::devices::{Adapter, Devices};
 use super::picture::{Draw, Pixels};
 use super::size::Size;
@@ -12,7 +12,7 @@ use crate::import;
 use crate::render::{Choice, Quality, Renderer, Selection, Settings, View, crop, select};
 use crate::scene::{
     AltlocChoice, Aromatic, AtomPlace, Background, ColorBy, DepthOfField, Item, LabelContent, LightFrame, Look,
-    Measurement, Orientation, OverlayOptions, Projection, Scene, SceneOptions, Style, VectorChoice, vector_scales,
+    Measurement, Orientation, OverlayOptions, Scene, SceneOptions, Style, VectorChoice, vector_scales,
 };
 use crate::structure::Mesh;
 use glam::{DVec3, Vec3};
@@ -146,8 +146,7 @@ impl Draw for Drawer {
 fn settings(args: &RenderArgs) -> Settings {
     let mut settings = Quality::from_name(&args.quality.name()).unwrap_or_default().settings();
     if args.look.depth_of_field.is_some() {
-        // Through few points of the lens one sees as many pictures.
-        settings.samples = settings.samples.max(64);
+        settings = settings.through_lens();
     }
     settings.samples = args.samples.unwrap_or(settings.samples);
     settings.ao = args.ao.unwrap_or(settings.ao);
@@ -206,10 +205,7 @@ pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOpt
             (None, Some(axis)) => down_axis(axis, drawn)?,
             (None, None) => Orientation::Auto,
         },
-        perspective: match &look.camera {
-            Some(viewpoint) => matches!(viewpoint.projection, Projection::Perspective { .. }),
-            None => look.projection == ProjectionArg::Perspective,
-        },
+        perspective: look.is_perspective(),
         pose: look.camera.map(|viewpoint| viewpoint.pose),
         hydrogens: !look.no_hydrogens,
         water: !look.no_water,

@@ -55,6 +55,12 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// The same with samples enough for a depth of field: through few points of the lens one sees as many pictures.
+    #[must_use]
+    pub fn through_lens(self) -> Settings {
+        Settings { samples: self.samples.max(64), ..self }
+    }
+
     /// More directions than this change nothing that can be seen (chosen: quality `high` asks as many).
     pub const MOST_DIRECTIONS: u32 = 256;
 }

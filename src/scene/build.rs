@@ -282,6 +282,25 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
     scene
 }
 
+impl SceneOptions {
+    /// The same primitives in the light of other options: what [`Scene::relight`] takes from them.
+    #[must_use]
+    pub fn lit_as(&self, other: &SceneOptions) -> SceneOptions {
+        SceneOptions {
+            perspective: other.perspective,
+            look: other.look,
+            light: other.light,
+            fog: other.fog,
+            outline: other.outline,
+            outline_color: other.outline_color,
+            depth_of_field: other.depth_of_field,
+            background: other.background,
+            ground: other.ground,
+            ..self.clone()
+        }
+    }
+}
+
 /// The look's lights, with what is asked to be otherwise.
 pub(super) fn lighting(options: &SceneOptions) -> Lighting {
     let mut light = options.look.lighting();

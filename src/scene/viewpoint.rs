@@ -4,8 +4,9 @@ use super::camera::{Camera, Projection};
 use super::{Pose, Scene, fit};
 use glam::{DVec3, Quat, Vec3};
 
-/// The pose of a scene and the camera in it. As text, fifteen numbers and the projection, with commas: the centre in the coordinates of
-/// the file, the turn (a quaternion x, y, z, w), the camera's turn, the target, how far the eye is behind it, and `p` and the opening
+/// The pose of a scene and the camera in it. As text, sixteen numbers and the projection, with commas: the centre in the coordinates of
+/// the file, the turn (a quaternion x, y, z, w), the camera's turn, the target, how far the eye is behind it, how far the fitted camera looks
+/// down (radians), and `p` and the opening
 /// angle in degrees, or `o` and the height in ångström.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewpoint {
@@ -61,7 +62,7 @@ impl std::fmt::Display for Viewpoint {
         let numbers = (self.pose.turn.to_array().into_iter())
             .chain(self.world_from_view.to_array())
             .chain(self.target.to_array())
-            .chain([self.distance]);
+            .chain([self.distance, self.pose.pitch_rad]);
         for number in numbers {
             write!(f, ",{number}")?;
         }
@@ -77,13 +78,13 @@ impl std::str::FromStr for Viewpoint {
 
     fn from_str(text: &str) -> Result<Viewpoint, String> {
         let wrong = || {
-            "expected fifteen numbers and p or o with a number, with commas, as the window's \"copy command line\" writes them"
+            "expected sixteen numbers and p or o with a number, with commas, as the window's \"copy command line\" writes them"
                 .to_owned()
         };
         let (numbers, projection) = text.trim().rsplit_once(',').ok_or_else(wrong)?;
         let numbers: Option<Vec<f64>> =
             numbers.split(',').map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
-        let numbers = numbers.filter(|numbers| numbers.len() == 15).ok_or_else(wrong)?;
+        let numbers = numbers.filter(|numbers| numbers.len() == 16).ok_or_else(wrong)?;
         let f = |index: usize| numbers[index] as f32;
         let turn = |at: usize| {
             let quat = Quat::from_xyzw(f(at), f(at + 1), f(at + 2), f(at + 3));
@@ -102,7 +103,7 @@ impl std::str::FromStr for Viewpoint {
         };
         let distance = Some(f(14)).filter(positive).ok_or_else(wrong)?;
         let center = DVec3::new(numbers[0], numbers[1], numbers[2]);
-        let pose = Pose { center, turn: pose_turn, pitch_rad: fit::PITCH_RAD };
+        let pose = Pose { center, turn: pose_turn, pitch_rad: f(15) };
         Ok(Viewpoint { pose, world_from_view, target: Vec3::new(f(11), f(12), f(13)), distance, projection })
     }
 }
@@ -127,7 +128,7 @@ mod tests {
             let view = Viewpoint::of(&first, &camera);
             let read: Viewpoint = view.to_string().parse().unwrap();
             let again = scene(&SceneOptions { pose: Some(read.pose), ..options });
-            assert_eq!((again.pose.center, again.pose.turn), (first.pose.center, first.pose.turn));
+            assert_eq!(again.pose, first.pose);
             let other = read.camera(&again);
             assert!(other.eye.distance(camera.eye) < 1e-4 && other.world_from_view == camera.world_from_view);
             let scale = (other.angstrom_per_px(600), camera.angstrom_per_px(600));
@@ -141,7 +142,7 @@ mod tests {
         let good = Viewpoint::of(&scene(&SceneOptions::default()), &scene(&SceneOptions::default()).fitted_camera(1.0));
         let good = good.to_string();
         assert!(good.parse::<Viewpoint>().is_ok());
-        let zeros = format!("{}p24", "0,".repeat(15));
+        let zeros = format!("{}p24", "0,".repeat(16));
         for bad in ["", "1,2,3", &good.replace(",p", ",q"), &good.replace(",p", ",p-"), &format!("1,{good}"), &zeros] {
             assert!(bad.parse::<Viewpoint>().is_err(), "{bad}");
         }

@@ -45,7 +45,7 @@ impl Session {
         flag("focus", &number(self.focus), self.depth_of_field.is_none() || self.focus.is_none());
         let of_look = crate::scene::Look::from_name(&self.look).unwrap_or_default().background().to_string();
         flag("background", &self.background, self.background == of_look && self.background != TRANSPARENT);
-        flag("projection", &self.projection, self.projection == usual.projection);
+        flag("projection", &self.projection, self.camera.is_some() || self.projection == usual.projection);
         flag("altloc", &self.altloc, self.altloc == usual.altloc);
         flag("aromatic", &self.aromatic, self.aromatic == usual.aromatic);
         flag("vectors", &self.vectors, self.vectors == usual.vectors);

@@ -78,7 +78,7 @@ fn what_means_nothing_is_refused_with_what_is_meant() {
     assert!(Session::parse(good.to_string().as_bytes(), Path::new("")).is_ok());
     assert!(refused("style", "cartoon".into()).contains("style: found \"cartoon\", expected one of ball-and-stick, "));
     assert!(refused("supercell", serde_json::json!([1, 0, 1])).contains("from 1 to 10000"));
-    assert!(refused("camera", "here".into()).contains("fifteen numbers"));
+    assert!(refused("camera", "here".into()).contains("sixteen numbers"));
     assert!(refused("label", serde_json::json!(["colour"])).contains("element, index"));
     assert!(refused("colour", "red".into()).contains("unknown field `colour`"));
     assert!(refused("ground", "yes".into()).starts_with("line "));

@@ -153,11 +153,13 @@ impl State {
             }
             Action::SessionDialog(on) => self.shown.session = on.then(|| sessions::proposed(self)),
             Action::SaveSession(path) => sessions::save(self, &path),
-            Action::CopyCommand => {
-                let text = sessions::command_line(self);
-                self.requests.push(Request::Copy(text));
-                self.say("The command line that makes this picture is on the clipboard.");
-            }
+            Action::CopyCommand => match sessions::command_line(self) {
+                Ok(text) => {
+                    self.requests.push(Request::Copy(text));
+                    self.say("The command line that makes this picture is on the clipboard.");
+                }
+                Err(why) => self.complain(why),
+            },
             Action::Undo => {
                 if let Some(old) = self.history.undo(&self.work) {
                     self.travel(old);
@@ -173,6 +175,7 @@ impl State {
             Action::Panel(on) => self.prefer(|preferences| preferences.panel = on),
             Action::Theme(theme) => self.prefer(|preferences| preferences.theme = theme),
             Action::Mouse(preset) => self.prefer(|preferences| preferences.mouse = preset),
+            Action::Cancel => self.cancel(),
             Action::Escape => self.escape(),
         }
     }
@@ -196,7 +199,7 @@ impl State {
             (shown.palette, shown.keys) = (false, false);
         } else if shown.picture.is_some() || shown.session.is_some() || shown.open.is_some() {
             (shown.picture, shown.session, shown.open) = (None, None, None);
-        } else if !self.loader.under_way().is_empty() {
+        } else if !self.loader.under_way().is_empty() || self.is_building() {
             self.cancel();
         } else if self.measuring {
             self.measuring = false;
@@ -267,7 +270,7 @@ impl State {
         }
     }
 
-    fn step(&mut self, by: i32) {
+    pub(super) fn step(&mut self, by: i32) {
         let loops = self.playing.loops;
         for layer in self.work.layers.iter_mut().filter(|layer| layer.document.frame_count() > 1) {
             let count = layer.document.frame_count() as i64;

@@ -66,20 +66,18 @@ fn keys(ui: &Ui, state: &State, actions: &mut Vec<Action>) {
     let mut taken = Vec::new();
     ui.ctx().input(|input| {
         for event in &input.events {
-            match *event {
-                Event::Key { key, pressed: true, repeat, modifiers, .. } => {
-                    let moves_focus = matches!(key, egui::Key::Space | egui::Key::Enter) && has_focus;
-                    let is_for_all = modifiers.command || key == egui::Key::Escape || key == egui::Key::F1;
-                    let edits = modifiers.command && matches!(key, egui::Key::A | egui::Key::Z | egui::Key::Y);
-                    if (is_typing && (!is_for_all || edits)) || moves_focus {
-                        continue;
-                    }
-                    taken.extend(commands::of_key(state, key, modifiers, repeat));
-                }
-                // egui turns the keys of the pasteboard into these.
-                Event::Copy if !is_typing && input.modifiers.shift => taken.push(Action::CopyCommand),
-                _ => {}
+            let Event::Key { key, pressed: true, repeat, modifiers, .. } = *event else { continue };
+            let moves_focus = matches!(key, egui::Key::Space | egui::Key::Enter) && has_focus;
+            let is_for_all = modifiers.command || key == egui::Key::Escape || key == egui::Key::F1;
+            let edits = modifiers.command
+                && matches!(
+                    key,
+                    egui::Key::A | egui::Key::Z | egui::Key::Y | egui::Key::W | egui::Key::K | egui::Key::Home
+                );
+            if (is_typing && (!is_for_all || edits)) || moves_focus {
+                continue;
             }
+            taken.extend(commands::of_key(state, key, modifiers, repeat));
         }
     });
     actions.append(&mut taken);

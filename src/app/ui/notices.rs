@@ -19,7 +19,7 @@ pub(super) fn show(ui: &Ui, rect: Rect, state: &mut State, actions: &mut Vec<Act
     if state.notices.iter().any(|notice| !notice.is_error) {
         ctx.request_repaint_after_secs(0.5);
     }
-    let is_busy = !state.loader.under_way().is_empty() || state.is_building() || state.pictures.under_way > 0;
+    let is_busy = !state.loader.under_way().is_empty() || state.is_building() || !state.pictures.under_way.is_empty();
     if state.notices.is_empty() && !is_busy {
         return;
     }
@@ -35,7 +35,7 @@ pub(super) fn show(ui: &Ui, rect: Rect, state: &mut State, actions: &mut Vec<Act
             if state.is_building() {
                 busy(ui, "Making the picture's parts", 0.8, actions);
             }
-            if state.pictures.under_way > 0 {
+            if !state.pictures.under_way.is_empty() {
                 plate(ui, |ui| {
                     ui.label("Drawing the picture to save…");
                 });
@@ -94,8 +94,8 @@ fn busy(ui: &mut Ui, text: &str, part: f32, actions: &mut Vec<Action>) {
         ui.horizontal(|ui| {
             ui.label(text);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if ui.small_button("Cancel").on_hover_text("Esc").clicked() {
-                    actions.push(Action::Escape);
+                if ui.small_button("Cancel").clicked() {
+                    actions.push(Action::Cancel);
                 }
             });
         });
