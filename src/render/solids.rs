@@ -303,18 +303,45 @@ pub struct Solids {
     pub see_through: bool,
 }
 
+/// Whether any primitive of a scene is see-through.
+#[must_use]
+pub fn is_see_through(scene: &Scene) -> bool {
+    scene.placements.iter().any(|placement| {
+        let block = &scene.blocks[placement.block];
+        let opacities = (block.spheres.iter().map(|s| s.color.a))
+            .chain(block.cylinders.iter().map(|c| c.color_a.a))
+            .chain(block.cones.iter().map(|c| c.color.a))
+            .chain(block.tori.iter().map(|t| t.color.a))
+            .chain(block.triangles.iter().map(|t| t.colors[0].a));
+        // All of them, without a way out: a loop over a million that becomes vector code.
+        opacities.fold(u8::MAX, u8::min) < u8::MAX
+    })
+}
+
 impl Solids {
     /// All primitives of a scene in the space of `space_from_world`.
     #[must_use]
     pub fn new(scene: &Scene, space_from_world: Affine3A) -> Solids {
-        let mut solids = Solids::default();
+        let mut solids = Solids { see_through: is_see_through(scene), ..Solids::default() };
         for placement in &scene.placements {
-            solids.add(scene, placement, space_from_world * placement.world_from_block);
+            let space_from_block = space_from_world * placement.world_from_block;
+            solids.add_simple(scene, placement, space_from_block);
+            solids.add_others(scene, placement, space_from_block);
         }
         solids
     }
 
-    fn add(&mut self, scene: &Scene, placement: &Placement, space_from_block: Affine3A) {
+    /// All but spheres and cylinders of a scene of which nothing is see-through.
+    #[must_use]
+    pub fn others(scene: &Scene, space_from_world: Affine3A) -> Solids {
+        let mut solids = Solids::default();
+        for placement in &scene.placements {
+            solids.add_others(scene, placement, space_from_world * placement.world_from_block);
+        }
+        solids
+    }
+
+    fn add_simple(&mut self, scene: &Scene, placement: &Placement, space_from_block: Affine3A) {
         let block = &scene.blocks[placement.block];
         let id = |local: u32| placement.first_id.saturating_add(local);
         let spheres = block.spheres.par_iter().with_min_len(4096);
@@ -326,6 +353,11 @@ impl Solids {
             .collect();
         self.cylinders.extend(sticks.iter().map(|(stick, _)| *stick));
         self.cylinder_looks.extend(sticks.iter().map(|(_, looks)| *looks));
+    }
+
+    fn add_others(&mut self, scene: &Scene, placement: &Placement, space_from_block: Affine3A) {
+        let block = &scene.blocks[placement.block];
+        let id = |local: u32| placement.first_id.saturating_add(local);
         for instance in &block.cones {
             if let Some(cone) = Cone::new(instance, &space_from_block) {
                 self.cones.push(cone);
@@ -343,13 +375,6 @@ impl Solids {
             triangles.filter_map(|t| Some((Triangle::new(t, &space_from_block)?, (t.colors, id(t.id))))).collect();
         self.triangles.extend(triangles.iter().map(|(triangle, _)| *triangle));
         self.triangle_looks.extend(triangles.iter().map(|(_, looks)| *looks));
-        let opacities = (block.spheres.iter().map(|s| s.color.a))
-            .chain(block.cylinders.iter().map(|c| c.color_a.a))
-            .chain(block.cones.iter().map(|c| c.color.a))
-            .chain(block.tori.iter().map(|t| t.color.a))
-            .chain(block.triangles.iter().map(|t| t.colors[0].a));
-        // All of them, without a way out: a loop over a million that becomes vector code.
-        self.see_through |= opacities.fold(u8::MAX, u8::min) < u8::MAX;
     }
 
     /// Number of primitives.

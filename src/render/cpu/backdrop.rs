@@ -1,6 +1,7 @@
 //! What is behind the primitives, and the finished pixels, a row of sixteen at a time: the vector twins of
 //! [`super::shader::Shader::backdrop`] and [`crate::render::frame::resolve`].
 
+use super::behind::Mask;
 use super::lanes::{LANES, Lanes};
 use super::shader::Shader;
 use crate::color::{Srgb8, bytes_from_linear};
@@ -32,6 +33,17 @@ impl Row<'_> {
         }
     }
 
+    /// Linear colour of ground or background in the pixels from `x` on.
+    #[inline(always)]
+    fn behind(&self, x: u32) -> [Lanes; 3] {
+        let (mut u, mut v) = ([0.0f32; LANES], [0.0f32; LANES]);
+        for lane in 0..LANES {
+            u[lane] = ((x + lane as u32) as f32 + 0.5 - self.grid.center_px[0]) * self.grid.plane_per_px;
+            v[lane] = (self.grid.center_px[1] - (self.corner[1] as f32 + 0.5)) * self.grid.plane_per_px;
+        }
+        opaque(self.shader, self.grid, &u, &v)
+    }
+
     #[inline(always)]
     fn finish_some(&self, x: u32, sums: Sums<'_>, pixels: &mut [Srgb8]) {
         let all = self.samples as f32;
@@ -58,7 +70,7 @@ impl Row<'_> {
             pixels.fill(self.background);
             return;
         }
-        let behind = if least >= all { [[0.0; LANES]; 3] } else { self.opaque(x) };
+        let behind = if least >= all { [[0.0; LANES]; 3] } else { self.behind(x) };
         let first = behind.map(|part| part[0]);
         if most == 0.0 && (0..3).all(|part| behind[part].iter().all(|&c| c == first[part])) {
             pixels.fill(Srgb8::from_linear(first, 1.0));
@@ -83,43 +95,94 @@ impl Row<'_> {
             *pixel = Srgb8::rgb(rgb[0][i], rgb[1][i], rgb[2][i]);
         }
     }
+}
 
-    /// Linear colour of ground or background.
+/// What is behind the primitives of a picture.
+pub(super) struct Backdrop<'a> {
+    shader: &'a Shader<'a>,
+    grid: &'a PixelGrid,
+    /// The background's colour.
+    plain: Srgb8,
+}
+
+impl<'a> Backdrop<'a> {
     #[inline(always)]
-    fn opaque(&self, x: u32) -> [Lanes; 3] {
-        let frame = self.shader.frame;
-        let background = shade_background(frame).to_array();
-        let mut color: [Lanes; 3] = std::array::from_fn(|part| [background[part]; LANES]);
-        if !frame.has_ground() {
-            return color;
+    pub(super) fn new(shader: &'a Shader<'a>, grid: &'a PixelGrid) -> Backdrop<'a> {
+        Backdrop { shader, grid, plain: resolve(shade_background(shader.frame), 1) }
+    }
+
+    /// Whether it is one colour everywhere.
+    #[inline(always)]
+    pub(super) fn is_plain(&self) -> bool {
+        !self.shader.frame.has_ground()
+    }
+
+    /// That colour.
+    #[inline(always)]
+    pub(super) fn plain(&self) -> Srgb8 {
+        self.plain
+    }
+
+    /// Pixels of one sample: the linear light of what is seen, what is behind it where nothing is. `u`, `v` are the plane
+    /// coordinates of their centres.
+    #[inline(always)]
+    pub(super) fn under(&self, light: &[Lanes; 3], seen: &Mask, [u, v]: [&Lanes; 2]) -> [Srgb8; LANES] {
+        let mut pixels = [self.plain; LANES];
+        if self.shader.frame.ambient[3] > 0.5 {
+            // See-through ground: alpha takes a power, which is no vector code.
+            for (lane, pixel) in pixels.iter_mut().enumerate() {
+                let behind = || self.shader.backdrop(&self.grid.ray((u[lane], v[lane])));
+                let light = Vec4::new(light[0][lane], light[1][lane], light[2][lane], 1.0);
+                *pixel = resolve(if seen[lane] != 0 { light } else { behind() }, 1);
+            }
+            return pixels;
         }
-        let (mut u, mut v) = ([0.0f32; LANES], [0.0f32; LANES]);
-        for lane in 0..LANES {
-            u[lane] = ((x + lane as u32) as f32 + 0.5 - self.grid.center_px[0]) * self.grid.plane_per_px;
-            v[lane] = (self.grid.center_px[1] - (self.corner[1] as f32 + 0.5)) * self.grid.plane_per_px;
-        }
-        let t = self.shader.ground_beyond(self.grid.orthographic, &u, &v);
-        if t.iter().all(|&t| t == f32::INFINITY) {
-            return color;
-        }
-        let m = &frame.world_from_view;
-        let (mut px, mut pz) = ([0.0f32; LANES], [0.0f32; LANES]);
-        for lane in 0..LANES {
-            let depth = if t[lane] < f32::INFINITY { t[lane] } else { 0.0 };
-            // The ray's point is (u, v, 0) − t z with parallel rays, t (u, v, −1) otherwise.
-            let aside = if self.grid.orthographic { 1.0 } else { depth };
-            let at = |axis: usize| m[0][axis] * (u[lane] * aside) + m[1][axis] * (v[lane] * aside) - m[2][axis] * depth;
-            (px[lane], pz[lane]) = (at(0) + m[3][0], at(2) + m[3][2]);
-        }
-        let light = self.shader.ground_map.light(frame, &px, &pz);
-        for lane in 0..LANES {
-            let fade = ground_fade(frame, px[lane], pz[lane]);
-            let fade = if t[lane] < f32::INFINITY { fade } else { 0.0 };
+        let mut color = *light;
+        if seen.contains(&0) {
+            let behind = opaque(self.shader, self.grid, u, v);
             for part in 0..3 {
-                color[part][lane] =
-                    background[part] + (frame.ground_color[part] * light[lane] - background[part]) * fade;
+                for lane in 0..LANES {
+                    color[part][lane] = if seen[lane] != 0 { light[part][lane] } else { behind[part][lane] };
+                }
             }
         }
-        color
+        let rgb = [bytes_from_linear(&color[0]), bytes_from_linear(&color[1]), bytes_from_linear(&color[2])];
+        for (lane, pixel) in pixels.iter_mut().enumerate() {
+            *pixel = Srgb8::rgb(rgb[0][lane], rgb[1][lane], rgb[2][lane]);
+        }
+        pixels
     }
+}
+
+/// Linear colour of ground or background at plane coordinates.
+#[inline(always)]
+fn opaque(shader: &Shader<'_>, grid: &PixelGrid, u: &Lanes, v: &Lanes) -> [Lanes; 3] {
+    let frame = shader.frame;
+    let background = shade_background(frame).to_array();
+    let mut color: [Lanes; 3] = std::array::from_fn(|part| [background[part]; LANES]);
+    if !frame.has_ground() {
+        return color;
+    }
+    let t = shader.ground_beyond(grid.orthographic, u, v);
+    if t.iter().all(|&t| t == f32::INFINITY) {
+        return color;
+    }
+    let m = &frame.world_from_view;
+    let (mut px, mut pz) = ([0.0f32; LANES], [0.0f32; LANES]);
+    for lane in 0..LANES {
+        let depth = if t[lane] < f32::INFINITY { t[lane] } else { 0.0 };
+        // The ray's point is (u, v, 0) − t z with parallel rays, t (u, v, −1) otherwise.
+        let aside = if grid.orthographic { 1.0 } else { depth };
+        let at = |axis: usize| m[0][axis] * (u[lane] * aside) + m[1][axis] * (v[lane] * aside) - m[2][axis] * depth;
+        (px[lane], pz[lane]) = (at(0) + m[3][0], at(2) + m[3][2]);
+    }
+    let light = shader.ground_map.light(frame, &px, &pz);
+    for lane in 0..LANES {
+        let fade = ground_fade(frame, px[lane], pz[lane]);
+        let fade = if t[lane] < f32::INFINITY { fade } else { 0.0 };
+        for part in 0..3 {
+            color[part][lane] = background[part] + (frame.ground_color[part] * light[lane] - background[part]) * fade;
+        }
+    }
+    color
 }

@@ -9,13 +9,16 @@ mod behind;
 mod binning;
 pub mod casters;
 mod clusters;
+mod facts;
 pub mod intersect;
 mod lanes;
+mod packs;
 mod reach;
 pub mod reference;
 mod shade;
 mod shader;
 mod simd;
+mod source;
 mod tile;
 pub mod tiles;
 mod visibility;
@@ -25,6 +28,7 @@ use super::frame::FrameConstants;
 use super::{GBuffer, Image, Renderer, Settings, SkyVisibility, View, overlay, sky};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
+use packs::Packs;
 use reach::Lights;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -37,6 +41,8 @@ pub struct CpuRenderer {
     field: Option<Field>,
     /// The last ground maps and the constants they were made with: in motion and at rest they differ in texels.
     ground_maps: [Option<(FrameConstants, GroundMap)>; 2],
+    /// The balls and sticks of the loaded scene in packs, made when a picture first needs them.
+    packs: Option<Packs>,
     /// What is known of the sky's and the key light's directions of the loaded scene.
     lights: Lights,
 }
@@ -74,8 +80,9 @@ impl CpuRenderer {
         if asks {
             self.lights.update(&frame, settings);
         }
+        let packs = (!asks).then(|| &*self.packs.get_or_insert_with(|| Packs::new(&scene)));
         let lights = if asks { &mut self.lights } else { &mut none };
-        let mut image = tiles::image(&scene, view, settings, (&ground_map, lights), stop);
+        let mut image = tiles::image(&scene, view, settings, (&ground_map, lights, packs), stop);
         if stop.load(Ordering::Relaxed) {
             return None;
         }
@@ -102,6 +109,7 @@ impl Renderer for CpuRenderer {
         if !same {
             self.field = None;
             self.lights = Lights::none();
+            self.packs = None;
             self.ground_maps = [None, None];
         }
         self.scene = Some(scene);

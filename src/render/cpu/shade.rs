@@ -2,124 +2,24 @@
 //!
 //! A vector holds 4 × 4 pixels, one sample of each: they ask the same directions of the sky.
 //!
-//! The primitives' facts are gathered lane by lane, everything after that is the same for balls and sticks: a ball is a
-//! stick whose axis has no length. The normal comes from the hit's place, not from solving again, so that it is off by
-//! the rounding of the depth: 1e-4 of a stick's radius at 100 Å, less than a colour can show.
+//! The normal comes from the hit's place ([`super::facts`]), not from solving again, so that it is off by the rounding of the depth:
+//! 1e-4 of a stick's radius at 100 Å, less than a colour can show.
 
+use super::backdrop::Backdrop;
+use super::behind::Mask;
+use super::facts::Looks;
 use super::lanes::{LANES, Lanes};
 use super::reach::{NOBODY, Points, Questions};
 use super::shader::Shader;
+use super::source::Source;
 use super::tile::{Place, SIDE, Tile};
-use crate::math::{max, min};
+use crate::color::Srgb8;
+use crate::math::max;
 use crate::render::frame::{self, shade_outline, shade_surfaces};
 use crate::render::outline::RIM;
 use crate::render::sky::start_offset;
-use crate::render::solids::Primitive;
 use crate::scene::PixelGrid;
 use glam::Vec3;
-
-/// Facts of the primitives that the lanes of a block see.
-struct Facts {
-    center: [Lanes; 3],
-    /// Unit axis; zero for a ball.
-    axis: [Lanes; 3],
-    radius: Lanes,
-    /// Where flat caps are along the axis; infinite where there are none.
-    caps: [Lanes; 2],
-    /// Where the axis ends for the normal: at the ends of a round stick; infinite at others.
-    ends: [Lanes; 2],
-    /// Linear colour of the halves.
-    colors: [[Lanes; 3]; 2],
-}
-
-impl Facts {
-    fn new() -> Facts {
-        Facts {
-            center: [[0.0; LANES]; 3],
-            axis: [[0.0; LANES]; 3],
-            radius: [1.0; LANES],
-            caps: [[f32::NEG_INFINITY; LANES], [f32::INFINITY; LANES]],
-            ends: [[f32::NEG_INFINITY; LANES], [f32::INFINITY; LANES]],
-            colors: [[[0.0; LANES]; 3]; 2],
-        }
-    }
-
-    /// Puts a primitive into one lane.
-    #[inline(always)]
-    fn set(&mut self, lane: usize, of: &Fact) {
-        for part in 0..3 {
-            self.center[part][lane] = of.center[part];
-            self.axis[part][lane] = of.axis[part];
-            self.colors[0][part][lane] = of.colors[0][part];
-            self.colors[1][part][lane] = of.colors[1][part];
-        }
-        for end in 0..2 {
-            self.caps[end][lane] = of.caps[end];
-            self.ends[end][lane] = of.ends[end];
-        }
-        self.radius[lane] = of.radius;
-    }
-
-    /// One primitive in all lanes.
-    #[inline(always)]
-    fn all(of: &Fact) -> Facts {
-        let three = |v: [f32; 3]| v.map(|x| [x; LANES]);
-        Facts {
-            center: three(of.center),
-            axis: three(of.axis),
-            radius: [of.radius; LANES],
-            caps: of.caps.map(|x| [x; LANES]),
-            ends: of.ends.map(|x| [x; LANES]),
-            colors: of.colors.map(three),
-        }
-    }
-}
-
-/// Facts of one primitive.
-struct Fact {
-    center: [f32; 3],
-    axis: [f32; 3],
-    radius: f32,
-    caps: [f32; 2],
-    ends: [f32; 2],
-    colors: [[f32; 3]; 2],
-}
-
-impl Fact {
-    #[inline(always)]
-    fn of(shader: &Shader<'_>, index: u32) -> Fact {
-        let solids = shader.solids;
-        let index = index as usize;
-        let none = [f32::NEG_INFINITY, f32::INFINITY];
-        match solids.primitive(index) {
-            Primitive::Sphere(i) => {
-                let sphere = &solids.spheres[i];
-                let color = solids.sphere_looks[i].0.to_linear();
-                let (center, radius) = (sphere.center.to_array(), sphere.radius);
-                Fact { center, axis: [0.0; 3], radius, caps: none, ends: none, colors: [color, color] }
-            }
-            Primitive::Cylinder(i) => {
-                let cylinder = &solids.cylinders[i];
-                let (a, b, _) = solids.cylinder_looks[i];
-                let h = cylinder.half_length;
-                let end = |kind: u32| {
-                    let at = |cap: u32| if cap & 3 == kind { h } else { f32::INFINITY };
-                    [-at(cylinder.caps), at(cylinder.caps >> 2)]
-                };
-                Fact {
-                    center: cylinder.center.to_array(),
-                    axis: cylinder.axis().to_array(),
-                    radius: cylinder.radius,
-                    caps: end(1),
-                    ends: end(2),
-                    colors: [a.to_linear(), b.to_linear()],
-                }
-            }
-            // Found one by one: see `others`.
-            _ => Fact { center: [0.0; 3], axis: [0.0; 3], radius: 1.0, caps: none, ends: none, colors: [[0.0; 3]; 2] },
-        }
-    }
-}
 
 /// Pixels on a side of what is worked on together.
 pub(super) const GROUP: usize = 4;
@@ -131,7 +31,7 @@ struct Samples {
     t: Lanes,
     index: [u32; LANES],
     /// Which of them see a primitive.
-    seen: [bool; LANES],
+    seen: Mask,
 }
 
 /// The surfaces that a group of pixels shows in one sample.
@@ -144,7 +44,7 @@ pub(super) struct Surfaces {
 /// pixels ask the same directions in one sample.
 #[inline(always)]
 pub(super) fn add(
-    shader: &Shader<'_>,
+    (shader, source): (&Shader<'_>, &dyn Source),
     questions: &Questions<'_>,
     place: &Place<'_>,
     tile: &Tile,
@@ -161,13 +61,13 @@ pub(super) fn add(
                     continue;
                 }
                 let samples = gather(shader, place, tile, sample, [row, column]);
-                if !samples.seen.contains(&true) {
+                if !any(&samples.seen) {
                     continue;
                 }
-                let (surfaces, mut points) = surfaces(shader, place, samples);
+                let (surfaces, mut points) = surfaces((shader, source), place, samples);
                 questions.ask(&mut points, number, unasked);
                 let light = light(shader, place.grid.orthographic, &surfaces, &points);
-                let seen: Lanes = surfaces.samples.seen.map(|seen| if seen { 1.0 } else { 0.0 });
+                let seen: Lanes = surfaces.samples.seen.map(|seen| if seen != 0 { 1.0 } else { 0.0 });
                 for (plane, lanes) in [&light[0], &light[1], &light[2], &seen].into_iter().enumerate() {
                     for y in 0..GROUP {
                         let start = (plane * width + row * GROUP + y) * width + column * GROUP;
@@ -182,17 +82,61 @@ pub(super) fn add(
     }
 }
 
+/// Finishes the pixels of a tile that have but one sample, and ask nothing: `rows` are those of the picture, cut to the tile.
+#[inline(always)]
+pub(super) fn finish(
+    (shader, source): (&Shader<'_>, &dyn Source),
+    place: &Place<'_>,
+    tile: &Tile,
+    rows: &mut [&mut [Srgb8]],
+) {
+    let backdrop = Backdrop::new(shader, &place.grid);
+    for line in &mut *rows {
+        line.fill(backdrop.plain());
+    }
+    for (row, lines) in rows.chunks_mut(GROUP).enumerate() {
+        let width = lines.first().map_or(0, |line| line.len());
+        for (column, start) in (0..width).step_by(GROUP).enumerate() {
+            if !tile.touched[row][column] && backdrop.is_plain() {
+                continue;
+            }
+            let samples = gather(shader, place, tile, 0, [row, column]);
+            let ([u, v], seen) = ([samples.u, samples.v], samples.seen);
+            let mut lit = [[0.0; LANES]; 3];
+            if any(&seen) {
+                let (surfaces, mut points) = surfaces((shader, source), place, samples);
+                points.asks = [0.0; LANES];
+                lit = light(shader, place.grid.orthographic, &surfaces, &points);
+            }
+            let pixels = backdrop.under(&lit, &seen, [&u, &v]);
+            let count = GROUP.min(width - start);
+            for (line, pixels) in lines.iter_mut().zip(pixels.chunks_exact(GROUP)) {
+                if let Some(line) = line.get_mut(start..).and_then(|line| line.first_chunk_mut::<GROUP>()) {
+                    line.copy_from_slice(pixels);
+                } else {
+                    line[start..].copy_from_slice(&pixels[..count]);
+                }
+            }
+        }
+    }
+}
+
+/// Whether any lane of a mask is set.
+#[inline(always)]
+fn any(mask: &Mask) -> bool {
+    let mut any = 0;
+    for &lane in mask {
+        any |= lane;
+    }
+    any != 0
+}
+
 /// One sample of each pixel of a group.
 #[inline(always)]
 fn gather(shader: &Shader<'_>, place: &Place<'_>, tile: &Tile, sample: usize, [row, column]: [usize; 2]) -> Samples {
     let blocks = GROUP / place.pass.side as usize;
-    let mut samples = Samples {
-        u: [0.0; LANES],
-        v: [0.0; LANES],
-        t: [f32::INFINITY; LANES],
-        index: [0; LANES],
-        seen: [false; LANES],
-    };
+    let mut samples =
+        Samples { u: [0.0; LANES], v: [0.0; LANES], t: [f32::INFINITY; LANES], index: [0; LANES], seen: [0; LANES] };
     let (t, index) = (tile.t.as_flattened().as_flattened(), tile.index.as_flattened().as_flattened());
     let start = (row * blocks * SIDE + column * blocks) * LANES + sample;
     for lane in 0..LANES {
@@ -212,97 +156,65 @@ fn gather(shader: &Shader<'_>, place: &Place<'_>, tile: &Tile, sample: usize, [r
     let beyond = shader.ground_beyond(place.grid.orthographic, &samples.u, &samples.v);
     for (lane, ground) in beyond.into_iter().enumerate() {
         let t = samples.t[lane];
-        samples.seen[lane] = (t < f32::INFINITY) & (t - shader.behind(samples.index[lane]) <= ground);
+        let is_seen = (t < f32::INFINITY) & (t - shader.behind(samples.index[lane]) <= ground);
+        samples.seen[lane] = if is_seen { u32::MAX } else { 0 };
     }
     samples
 }
 
 /// The surfaces of samples.
 #[inline(always)]
-fn surfaces(shader: &Shader<'_>, place: &Place<'_>, samples: Samples) -> (Surfaces, Points) {
-    let first = samples.index[0];
-    let mut same = true;
-    for lane in 0..LANES {
-        same &= samples.seen[lane] & (samples.index[lane] == first);
-    }
-    let facts = if same {
-        Facts::all(&Fact::of(shader, first & !RIM))
-    } else {
-        let mut facts = Facts::new();
-        for lane in 0..LANES {
-            if samples.seen[lane] {
-                facts.set(lane, &Fact::of(shader, samples.index[lane] & !RIM));
-            }
-        }
-        facts
-    };
+fn surfaces((shader, source): (&Shader<'_>, &dyn Source), place: &Place<'_>, samples: Samples) -> (Surfaces, Points) {
     let near = shader.frame.depth[2];
-    let Samples { u, v, t, seen, .. } = &samples;
+    let Samples { u, v, t, seen, index } = &samples;
     // Rays start at (u, v, 0) and run along −z, or start at the eye and run along (u, v, −1).
     let (start, slope) = if place.grid.orthographic { (1.0, 0.0) } else { (0.0, 1.0) };
-    let (mut points, mut albedo) = (Points::default(), [[0.0f32; LANES]; 3]);
+    let (mut points, mut hit, mut depth) = (Points::default(), [[0.0f32; LANES]; 3], [0.0f32; LANES]);
+    for lane in 0..LANES {
+        depth[lane] = if seen[lane] != 0 { t[lane] } else { near };
+        let aside = start + slope * depth[lane];
+        (hit[0][lane], hit[1][lane], hit[2][lane]) = (u[lane] * aside, v[lane] * aside, -depth[lane]);
+    }
+    let mut surfaces = Looks::of(source, index, seen, &hit);
     for lane in 0..LANES {
         let d = Vec3::new(u[lane] * slope, v[lane] * slope, -1.0);
-        let depth = if seen[lane] { t[lane] } else { near };
-        let hit = Vec3::new(u[lane] * start, v[lane] * start, 0.0) + d * depth;
-        let p = hit - Vec3::new(facts.center[0][lane], facts.center[1][lane], facts.center[2][lane]);
-        let axis = Vec3::new(facts.axis[0][lane], facts.axis[1][lane], facts.axis[2][lane]);
-        let along = p.x * axis.x + p.y * axis.y + p.z * axis.z;
-        let side = p - axis * along;
-        let out = (side.x * side.x + side.y * side.y + side.z * side.z).sqrt();
-        // The side or a cap, whichever is nearer to the hit.
-        let off_side = (facts.radius[lane] - out).abs();
-        let (off_a, off_b) = ((along - facts.caps[0][lane]).abs(), (along - facts.caps[1][lane]).abs());
-        let round = p - axis * min(max(along, facts.ends[0][lane]), facts.ends[1][lane]);
-        let is_round = facts.ends[0][lane] > f32::NEG_INFINITY || facts.ends[1][lane] < f32::INFINITY;
-        let by_a = (off_a < off_side) & (off_a <= off_b);
-        let by_b = (off_b < off_side) & !by_a;
-        let cap = if by_a { -1.0 } else { 1.0 };
-        let capped = by_a | by_b;
         let toward = -1.0 / (d.x * d.x + d.y * d.y + d.z * d.z).sqrt();
-        let cut = depth <= near;
-        let pick = |side: f32, round: f32, axis: f32, d: f32| {
-            let n = if is_round { round } else { side };
-            if cut {
-                d * toward
-            } else if capped {
-                axis * cap
-            } else {
-                n
-            }
-        };
-        let n = Vec3::new(
-            pick(side.x, round.x, axis.x, d.x),
-            pick(side.y, round.y, axis.y, d.y),
-            pick(side.z, round.z, axis.z, d.z),
-        );
+        let cut = depth[lane] <= near;
+        let [nx, ny, nz] = &surfaces.normal;
+        let pick = |n: f32, d: f32| if cut { d * toward } else { n };
+        let n = Vec3::new(pick(nx[lane], d.x), pick(ny[lane], d.y), pick(nz[lane], d.z));
         let over = 1.0 / max((n.x * n.x + n.y * n.y + n.z * n.z).sqrt(), 1e-20);
         // Seen from inside, an open cylinder shows its back.
         let n = n * if n.x * d.x + n.y * d.y + n.z * d.z > 0.0 { -over } else { over };
-        let is_b = along > 0.0;
         for part in 0..3 {
-            points.position[part][lane] = hit[part] + n[part] * start_offset(depth);
+            points.position[part][lane] = hit[part][lane] + n[part] * start_offset(depth[lane]);
             points.normal[part][lane] = n[part];
-            albedo[part][lane] = if is_b { facts.colors[1][part][lane] } else { facts.colors[0][part][lane] };
         }
-        let is_line = samples.index[lane] & RIM != 0;
-        points.asks[lane] = if seen[lane] & !cut & !is_line { 1.0 } else { 0.0 };
-        points.own[lane] = if shader.solids.see_through { NOBODY } else { samples.index[lane] };
+        let is_line = index[lane] & RIM != 0;
+        points.asks[lane] = if (seen[lane] != 0) & !cut & !is_line { 1.0 } else { 0.0 };
+        points.own[lane] = if shader.solids.see_through { NOBODY } else { index[lane] };
     }
-    others(shader, place, &samples, &mut points, &mut albedo);
-    (Surfaces { samples, albedo }, points)
+    let albedo = &mut surfaces.albedo;
+    others((shader, source), place, &samples, &mut points, albedo);
+    (Surfaces { samples, albedo: surfaces.albedo }, points)
 }
 
 /// Normals and colours of what is neither ball nor stick, one by one.
 #[inline(always)]
-fn others(shader: &Shader<'_>, place: &Place<'_>, samples: &Samples, points: &mut Points, albedo: &mut [Lanes; 3]) {
-    let simple = (shader.solids.spheres.len() + shader.solids.cylinders.len()) as u32;
+fn others(
+    (shader, source): (&Shader<'_>, &dyn Source),
+    place: &Place<'_>,
+    samples: &Samples,
+    points: &mut Points,
+    albedo: &mut [Lanes; 3],
+) {
+    let (simple, first) = (source.simple(), source.first_of_shader());
     for (lane, &index) in samples.index.iter().enumerate() {
-        if index < simple || index & RIM != 0 || !samples.seen[lane] {
+        if index < simple || index & RIM != 0 || samples.seen[lane] == 0 {
             continue;
         }
         let ray = place.grid.ray((samples.u[lane], samples.v[lane]));
-        let surface = shader.surface(&ray, index, samples.t[lane]);
+        let surface = shader.surface(&ray, index - first, samples.t[lane]);
         let start = ray.origin + ray.direction * samples.t[lane] + surface.normal * start_offset(samples.t[lane]);
         for (part, albedo) in albedo.iter_mut().enumerate() {
             points.position[part][lane] = start[part];
@@ -324,7 +236,7 @@ fn light(shader: &Shader<'_>, parallel: bool, surfaces: &Surfaces, points: &Poin
         key[lane] = if points.asks[lane] > 0.0 { points.told[1][lane] } else { unasked.key };
         direction[0][lane] = samples.u[lane] * slope;
         direction[1][lane] = samples.v[lane] * slope;
-        seen[lane] = if samples.seen[lane] { 1.0 } else { 0.0 };
+        seen[lane] = if samples.seen[lane] != 0 { 1.0 } else { 0.0 };
     }
     let (depth, normal) = (&samples.t, &points.normal);
     let told = frame::Surfaces { depth, normal, albedo, open: &open, key: &key, direction: &direction };

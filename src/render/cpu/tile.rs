@@ -6,13 +6,14 @@
 use super::binning::Candidate;
 use super::intersect::{
     FLAT_CAPS, cone_middle_t, cone_t, cylinder_middle_t, cylinder_t, flat_cylinder_middle_t, flat_cylinder_t,
-    sphere_middle_t, sphere_t, torus_middle_t, torus_t, triangle_t,
+    sphere_entry, sphere_middle_t, sphere_t, torus_middle_t, torus_t, triangle_t,
 };
 use super::lanes::{LANES, Lanes, Pass};
 use crate::render::outline::{Outline, RIM};
 use crate::render::solids::{Cone, Cylinder, Primitive, Solids, Sphere, Torus, Triangle};
 use crate::scene::{PixelGrid, Ray};
 use glam::Vec3;
+use std::ops::Range;
 
 /// Blocks on a side of a tile, at most.
 pub(super) const SIDE: usize = 32;
@@ -76,6 +77,16 @@ impl<const PARALLEL: bool> DepthAt for Drawn<Sphere, PARALLEL> {
     #[inline(always)]
     fn middle(&self, u: f32, v: f32) -> f32 {
         sphere_middle_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
+    }
+}
+
+/// A ball that lies beyond the near plane: less to find out.
+struct Beyond(Sphere);
+
+impl<const PARALLEL: bool> DepthAt for Drawn<Beyond, PARALLEL> {
+    #[inline(always)]
+    fn t(&self, u: f32, v: f32) -> f32 {
+        sphere_entry(&ray::<PARALLEL>(u, v), &self.solid.0)
     }
 }
 
@@ -189,15 +200,30 @@ impl Tile {
         })
     }
 
+    /// Takes away what was seen before.
+    #[inline(always)]
+    pub(super) fn clear(&mut self, place: &Place<'_>) {
+        // Groups of 4 × 4 pixels may reach out of the picture by three blocks.
+        let [columns, rows] = place.blocks.map(|blocks| (blocks + 3).min(SIDE));
+        for row in 0..rows {
+            self.t[row][..columns].fill([f32::INFINITY; LANES]);
+            self.index[row][..columns].fill([0; LANES]);
+        }
+        self.farthest = [[f32::INFINITY; SIDE]; SIDE];
+        // What lies out of the picture hides nothing, and is hidden by everything.
+        for row in 0..SIDE {
+            let end = if row < place.blocks[1] { place.blocks[0] } else { 0 };
+            self.farthest[row][end..].fill(0.0);
+        }
+        self.touched = [[false; SIDE]; SIDE];
+    }
+
     /// Finds what is seen; `candidates` are front to back.
     #[inline(always)]
     pub(super) fn see(&mut self, place: &Place<'_>, solids: &Solids, candidates: &[Candidate]) {
-        self.t.as_flattened_mut().fill([f32::INFINITY; LANES]);
-        self.index.as_flattened_mut().fill([0; LANES]);
-        self.farthest = [[f32::INFINITY; SIDE]; SIDE];
-        self.touched = [[false; SIDE]; SIDE];
+        self.clear(place);
         for (drawn, candidate) in candidates.iter().enumerate() {
-            if drawn % 16 == 15 && candidate.nearest > self.farthest(place) {
+            if drawn % 16 == 15 && candidate.nearest > self.farthest() {
                 break; // the rest is behind everything
             }
             let mut mask = [true; LANES];
@@ -206,25 +232,111 @@ impl Tile {
                 mask = place.pass.sample.map(drawn);
             }
             if place.grid.orthographic {
-                self.draw_candidate::<true>(place, solids, candidate, &mask);
+                self.draw_candidate::<true>((place, solids), candidate, &mask);
             } else {
-                self.draw_candidate::<false>(place, solids, candidate, &mask);
+                self.draw_candidate::<false>((place, solids), candidate, &mask);
             }
         }
     }
 
     /// The farthest depth of the tile.
     #[inline(always)]
-    fn farthest(&self, place: &Place<'_>) -> f32 {
-        let rows = self.farthest[..place.blocks[1]].iter();
-        rows.flat_map(|row| &row[..place.blocks[0]]).fold(0.0f32, |most, &t| if t > most { t } else { most })
+    pub(super) fn farthest(&self) -> f32 {
+        let mut most = [0.0f32; SIDE];
+        for row in &self.farthest {
+            for (most, &t) in most.iter_mut().zip(row) {
+                *most = if t > *most { t } else { *most };
+            }
+        }
+        most.into_iter().fold(0.0f32, |most, t| if t > most { t } else { most })
+    }
+
+    /// Blocks of a tile that a rectangle of the region's pixels meets: columns and rows, empty where it meets none.
+    #[inline(always)]
+    fn blocks_of(place: &Place<'_>, pixels: [u16; 4]) -> [Range<usize>; 2] {
+        let [left, top, right, bottom] = pixels.map(u32::from);
+        let range = |low: u32, high: u32, axis: usize| {
+            let (origin, side) = (place.in_region[axis], place.pass.side);
+            let end = (high.saturating_sub(origin).div_ceil(side) as usize).min(place.blocks[axis]);
+            (low.saturating_sub(origin) / side).min(end as u32) as usize..end
+        };
+        [range(left, right, 0), range(top, bottom, 1)]
+    }
+
+    /// Whether what is seen lies in front of everything in a rectangle of the region's pixels that is not nearer than `nearest`.
+    #[inline(always)]
+    pub(super) fn hides(&self, place: &Place<'_>, nearest: f32, pixels: [u16; 4]) -> bool {
+        let [columns, rows] = Tile::blocks_of(place, pixels);
+        let mut behind = true;
+        for row in &self.farthest[rows] {
+            for &farthest in &row[columns.clone()] {
+                behind &= nearest > farthest;
+            }
+        }
+        behind
+    }
+
+    /// Draws an opaque ball.
+    #[inline(always)]
+    pub(super) fn draw_sphere<const PARALLEL: bool>(
+        &mut self,
+        place: &Place<'_>,
+        candidate: &Candidate,
+        solid: &Sphere,
+    ) {
+        let near = place.near;
+        if candidate.nearest > near {
+            self.draw(place, candidate, &[true; LANES], &Drawn::<_, PARALLEL> { solid: Beyond(*solid), near });
+        } else {
+            self.draw(place, candidate, &[true; LANES], &Drawn::<_, PARALLEL> { solid: *solid, near });
+        }
+    }
+
+    /// Draws an opaque stick.
+    #[inline(always)]
+    pub(super) fn draw_cylinder<const PARALLEL: bool>(
+        &mut self,
+        place: &Place<'_>,
+        candidate: &Candidate,
+        solid: &Cylinder,
+    ) {
+        let near = place.near;
+        if solid.caps == FLAT_CAPS {
+            let drawn = Drawn::<_, PARALLEL> { solid: Flat(*solid), near };
+            self.draw(place, candidate, &[true; LANES], &drawn);
+        } else {
+            self.draw(place, candidate, &[true; LANES], &Drawn::<_, PARALLEL> { solid: *solid, near });
+        }
+    }
+
+    /// Draws a cone, torus or triangle of `solids`, all opaque and without lines; they count from `first` on.
+    #[inline(always)]
+    pub(super) fn draw_other<const PARALLEL: bool>(
+        &mut self,
+        place: &Place<'_>,
+        solids: &Solids,
+        first: u32,
+        candidate: &Candidate,
+    ) {
+        let (near, mask) = (place.near, [true; LANES]);
+        match solids.primitive((candidate.index - first) as usize) {
+            Primitive::Cone(i) => {
+                self.draw(place, candidate, &mask, &Drawn::<_, PARALLEL> { solid: solids.cones[i], near });
+            }
+            Primitive::Torus(i) => {
+                self.draw(place, candidate, &mask, &Drawn::<_, PARALLEL> { solid: solids.tori[i], near });
+            }
+            Primitive::Triangle(i) => {
+                self.draw(place, candidate, &mask, &Drawn::<_, PARALLEL> { solid: solids.triangles[i], near });
+            }
+            Primitive::Sphere(_) | Primitive::Cylinder(_) => {}
+        }
     }
 
     #[inline(always)]
     fn draw_candidate<const PARALLEL: bool>(
         &mut self,
-        place: &Place<'_>,
-        solids: &Solids,
+        (place, solids): (&Place<'_>, &Solids),
         candidate: &Candidate,
         mask: &[bool; LANES],
     ) {
@@ -290,17 +402,14 @@ impl Tile {
     #[inline(always)]
     fn draw(&mut self, place: &Place<'_>, candidate: &Candidate, mask: &[bool; LANES], drawn: &impl DepthAt) {
         let side = place.pass.side;
-        let [left, top, right, bottom] = candidate.pixels.map(u32::from);
-        let block = |pixel: u32, axis: usize| (pixel.saturating_sub(place.in_region[axis]) / side) as usize;
-        let rows = block(top, 1)..(block(bottom - 1, 1) + 1).min(place.blocks[1]);
-        let columns = [block(left, 0), (block(right - 1, 0) + 1).min(place.blocks[0])];
+        let [columns, rows] = Tile::blocks_of(place, candidate.pixels);
         let per_block = 1.0 / side as f32;
         for row in rows {
             let y = (place.corner[1] + row as u32 * side) as f32;
             let [from, to] = candidate.span(y, y + side as f32).map(|x| (x - place.corner[0] as f32) * per_block);
             // `as` clamps, and makes 0 of NaN.
-            let start = columns[0].max(from as usize);
-            let end = columns[1].min(if to < 0.0 { 0 } else { to as usize + 1 });
+            let start = columns.start.max(from as usize);
+            let end = columns.end.min(if to < 0.0 { 0 } else { to as usize + 1 });
             if start >= end {
                 continue;
             }
@@ -338,21 +447,32 @@ impl Tile {
         }
         let t = &mut self.t[row][column];
         let seen = &mut self.index[row][column];
+        let mut closer = [0u32; LANES];
         let mut any = 0u32;
         for lane in 0..LANES {
             // An empty sample has index 0: nothing ties with it.
-            let closer = (new[lane] < t[lane]) | ((new[lane] == t[lane]) & (what[lane] < seen[lane]));
-            t[lane] = if closer { new[lane] } else { t[lane] };
-            seen[lane] = if closer { what[lane] } else { seen[lane] };
-            any |= u32::from(closer);
+            let is_closer = (new[lane] < t[lane]) | ((new[lane] == t[lane]) & (what[lane] < seen[lane]));
+            closer[lane] = if is_closer { u32::MAX } else { 0 };
+            any |= closer[lane];
         }
         if any != 0 {
-            self.touched[row][column] = true;
-            let mut most = [0.0f32; 4];
-            for (lane, &t) in t.iter().enumerate() {
-                most[lane % 4] = if t > most[lane % 4] { t } else { most[lane % 4] };
+            for lane in 0..LANES {
+                t[lane] = if closer[lane] != 0 { new[lane] } else { t[lane] };
+                seen[lane] = if closer[lane] != 0 { what[lane] } else { seen[lane] };
             }
-            self.farthest[row][column] = most[0].max(most[1]).max(most[2].max(most[3]));
+            self.touched[row][column] = true;
+            // Halved again and again: each step is one instruction for all.
+            let (mut eight, mut four, mut two) = ([0.0f32; 8], [0.0f32; 4], [0.0f32; 2]);
+            for lane in 0..8 {
+                eight[lane] = if t[lane] > t[lane + 8] { t[lane] } else { t[lane + 8] };
+            }
+            for lane in 0..4 {
+                four[lane] = if eight[lane] > eight[lane + 4] { eight[lane] } else { eight[lane + 4] };
+            }
+            for lane in 0..2 {
+                two[lane] = if four[lane] > four[lane + 2] { four[lane] } else { four[lane + 2] };
+            }
+            self.farthest[row][column] = if two[0] > two[1] { two[0] } else { two[1] };
         }
     }
 }

@@ -5,27 +5,35 @@
 //! samples ask is known at once: these samples are added up in all tiles before the next are.
 
 use super::backdrop::Row;
-use super::binning::{Bins, Candidate};
+use super::binning::Candidate;
 use super::lanes::Pass;
+use super::packs::{Packed, Packs};
 use super::reach::{Lights, Questions, Shadows};
 use super::shade;
 use super::shader::Shader;
 use super::simd::{Work, widest};
+use super::source::{Listed, Source};
 use super::tile::{Place, SIDE, Tile};
 use crate::color::Srgb8;
 use crate::render::field::GroundMap;
 use crate::render::frame::{FrameConstants, resolve, shade_background};
 use crate::render::lens::Lens;
+use crate::render::outline::Outline;
 use crate::render::solids::Solids;
 use crate::render::{GBuffer, Image, Settings, View};
 use crate::scene::{PixelGrid, Region, Scene};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What all tiles of a picture share.
-struct Picture<'a> {
+struct Picture<'a, S> {
     shader: Shader<'a>,
-    bins: Bins,
+    source: S,
+    /// Pixels on a side of a tile.
+    tile: u32,
+    /// Tiles in x and y.
+    tiles: [u32; 2],
     grid: PixelGrid,
     region: Region,
     near: f32,
@@ -43,21 +51,17 @@ impl Bench {
     }
 }
 
-impl<'a> Picture<'a> {
-    fn new(shader: Shader<'a>, view: &View, tile: u32) -> Picture<'a> {
-        Picture {
-            bins: Bins::new(shader.solids, shader.outlined.as_ref(), view, tile),
-            shader,
-            grid: view.pixel_grid(),
-            region: view.region(),
-            near: view.camera.near,
-        }
+impl<'a, S: Source> Picture<'a, S> {
+    fn new(shader: Shader<'a>, source: S, view: &View, tile: u32) -> Picture<'a, S> {
+        let region = view.region();
+        let tiles = [region.width.div_ceil(tile), region.height.div_ceil(tile)];
+        Picture { shader, source, tile, tiles, grid: view.pixel_grid(), region, near: view.camera.near }
     }
 
     fn place<'p>(&'p self, tile: usize, pass: &'p Pass) -> Place<'p> {
         let tile = u32::try_from(tile).unwrap_or(u32::MAX);
-        let in_region = [tile % self.bins.tiles[0] * self.bins.tile, tile / self.bins.tiles[0] * self.bins.tile];
-        let blocks = |at: u32, end: u32| ((end - at).min(self.bins.tile).div_ceil(pass.side)) as usize;
+        let in_region = [tile % self.tiles[0] * self.tile, tile / self.tiles[0] * self.tile];
+        let blocks = |at: u32, end: u32| ((end - at).min(self.tile).div_ceil(pass.side)) as usize;
         Place {
             pass,
             grid: self.grid,
@@ -70,22 +74,46 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// The samples of a tile, as work for [`widest`].
-struct Samples<'w, 'a> {
-    picture: &'w Picture<'a>,
+/// What is to be found in a tile, as work for [`widest`].
+struct See<'w, S> {
+    source: &'w S,
     bench: &'w mut Bench,
-    place: Place<'w>,
-    /// What is asked, and where light is added to; without, only what is seen is found.
-    lit: Option<(&'w Questions<'w>, &'w mut [f32])>,
+    tile: usize,
+    place: &'w Place<'w>,
 }
 
-impl Work for Samples<'_, '_> {
+impl<S: Source> Work for See<'_, S> {
     #[inline(always)]
     fn run(self) {
-        let Samples { picture, bench, place, lit } = self;
-        bench.tile.see(&place, picture.shader.solids, &bench.candidates);
-        if let Some((questions, sums)) = lit {
-            shade::add(&picture.shader, questions, &place, &bench.tile, (sums, picture.bins.tile as usize));
+        let See { source, bench: Bench { tile, candidates }, tile: number, place } = self;
+        source.see(tile, candidates, place, number);
+    }
+}
+
+/// What becomes of what is seen in a tile, as work for [`widest`]. For all sources one: it is long.
+struct Shade<'w, 'r> {
+    shader: &'w Shader<'w>,
+    source: &'w dyn Source,
+    tile: &'w Tile,
+    place: &'w Place<'w>,
+    then: Then<'w, 'r>,
+}
+
+/// What becomes of what is seen.
+enum Then<'w, 'r> {
+    /// Its light is added to sums with rows of so many pixels.
+    Add(&'w Questions<'w>, &'w mut [f32], usize),
+    /// It is the only sample, asks nothing, and makes the pixels.
+    Finish(&'w mut [&'r mut [Srgb8]]),
+}
+
+impl Work for Shade<'_, '_> {
+    #[inline(always)]
+    fn run(self) {
+        let Shade { shader, source, tile, place, then } = self;
+        match then {
+            Then::Add(questions, sums, width) => shade::add((shader, source), questions, place, tile, (sums, width)),
+            Then::Finish(rows) => shade::finish((shader, source), place, tile, rows),
         }
     }
 }
@@ -94,23 +122,28 @@ impl Work for Samples<'_, '_> {
 /// where nothing was added yet.
 type TileSums = Vec<f32>;
 
-impl Picture<'_> {
+impl<S: Source> Picture<'_, S> {
     /// The sums of all tiles before anything is added.
     fn nothing(&self) -> Vec<TileSums> {
-        vec![TileSums::new(); (self.bins.tiles[0] * self.bins.tiles[1]) as usize]
+        vec![TileSums::new(); (self.tiles[0] * self.tiles[1]) as usize]
+    }
+
+    /// Finds what is seen in a tile, and makes something of it.
+    fn draw(&self, bench: &mut Bench, tile: usize, place: &Place<'_>, then: Then<'_, '_>) {
+        widest(See { source: &self.source, bench, tile, place });
+        widest(Shade { shader: &self.shader, source: &self.source, tile: &bench.tile, place, then });
     }
 
     /// Adds samples of a tile.
     fn add(&self, bench: &mut Bench, tile: usize, (passes, questions): (&[Pass], &Questions<'_>), sums: &mut TileSums) {
-        if self.bins.is_empty(tile) {
+        if self.source.is_empty(tile) {
             return;
         }
-        let side = self.bins.tile as usize;
+        let side = self.tile as usize;
         sums.resize(4 * side * side, 0.0);
-        self.bins.of_tile(tile, &mut bench.candidates);
         for pass in passes {
             let place = self.place(tile, pass);
-            widest(Samples { picture: self, bench, place, lit: Some((questions, sums)) });
+            self.draw(bench, tile, &place, Then::Add(questions, sums, side));
         }
     }
 
@@ -131,7 +164,7 @@ impl Picture<'_> {
         pixels: impl Fn(&mut Bench, usize, TileSums) -> Vec<Srgb8> + Sync,
     ) -> Image {
         let Region { width, height, .. } = self.region;
-        let (side, across, row_bytes) = (self.bins.tile as usize, self.bins.tiles[0] as usize, width as usize * 4);
+        let (side, across, row_bytes) = (self.tile as usize, self.tiles[0] as usize, width as usize * 4);
         let mut rgba = vec![0u8; row_bytes * height as usize];
         let bands = rgba.par_chunks_mut(row_bytes * side).zip(sums.par_chunks_mut(across));
         bands.enumerate().for_each(|(tile_row, (band, sums))| {
@@ -153,11 +186,37 @@ impl Picture<'_> {
         Image { width, height, rgba }
     }
 
+    /// The finished picture of one sample a pixel that asks nothing, each tile written at once.
+    fn finished(&self, stop: &AtomicBool) -> Image {
+        let Region { width, height, .. } = self.region;
+        let (side, across) = (self.tile as usize, self.tiles[0] as usize);
+        let mut rgba = vec![0u8; width as usize * height as usize * 4];
+        let pixels: &mut [Srgb8] = bytemuck::cast_slice_mut(&mut rgba);
+        let mut tiles: Vec<Vec<&mut [Srgb8]>> = vec![];
+        for band in pixels.chunks_mut(side * width as usize) {
+            let first = tiles.len();
+            tiles.resize_with(first + across, || Vec::with_capacity(side));
+            for line in band.chunks_mut(width as usize) {
+                for (tile, part) in tiles[first..].iter_mut().zip(line.chunks_mut(side)) {
+                    tile.push(part);
+                }
+            }
+        }
+        let pass = Pass::of_one(0, 1);
+        tiles.par_iter_mut().enumerate().with_max_len(2).for_each_init(Bench::new, |bench, (tile, rows)| {
+            if !stop.load(Ordering::Relaxed) {
+                let place = self.place(tile, &pass);
+                self.draw(bench, tile, &place, Then::Finish(rows));
+            }
+        });
+        Image { width, height, rgba }
+    }
+
     /// The finished pixels of a tile.
     fn finish(&self, tile: usize, mut sums: TileSums, samples: u32) -> Vec<Srgb8> {
-        let side = self.bins.tile;
+        let side = self.tile;
         sums.resize(4 * (side * side) as usize, 0.0);
-        let (x, y) = (tile as u32 % self.bins.tiles[0] * side, tile as u32 / self.bins.tiles[0] * side);
+        let (x, y) = (tile as u32 % self.tiles[0] * side, tile as u32 / self.tiles[0] * side);
         let (width, height) = ((self.region.width - x).min(side), (self.region.height - y).min(side));
         let mut pixels = vec![Srgb8::BLACK; (width * height) as usize];
         let corner = [self.region.x + x, self.region.y + y];
@@ -167,8 +226,8 @@ impl Picture<'_> {
 }
 
 /// The pixels of a tile, as work for [`widest`].
-struct Finish<'w, 'a> {
-    picture: &'w Picture<'a>,
+struct Finish<'w, 'a, S> {
+    picture: &'w Picture<'a, S>,
     sums: &'w [f32],
     corner: [u32; 2],
     width: u32,
@@ -176,10 +235,10 @@ struct Finish<'w, 'a> {
     pixels: &'w mut [Srgb8],
 }
 
-impl Work for Finish<'_, '_> {
+impl<S: Source> Work for Finish<'_, '_, S> {
     #[inline(always)]
     fn run(self) {
-        let (side, width) = (self.picture.bins.tile as usize, self.width as usize);
+        let (side, width) = (self.picture.tile as usize, self.width as usize);
         let background = resolve(shade_background(self.picture.shader.frame), 1);
         for ((row, pixels), y) in self.pixels.chunks_exact_mut(width).enumerate().zip(self.corner[1]..) {
             let plane = |plane: usize| &self.sums[(plane * side + row) * side..][..width];
@@ -190,25 +249,55 @@ impl Work for Finish<'_, '_> {
     }
 }
 
-/// The finished picture; unfinished, and of no use, if `stop` became true meanwhile.
+/// The finished picture; unfinished, and of no use, if `stop` became true meanwhile. `packs` are the scene's, if they are known.
 #[must_use]
 pub(super) fn image(
     scene: &Scene,
     view: &View,
     settings: &Settings,
-    (ground_map, lights): (&GroundMap, &mut Lights),
+    (ground_map, lights, packs): (&GroundMap, &mut Lights, Option<&Packs>),
     stop: &AtomicBool,
 ) -> Image {
     if let Some(lens) = Lens::of(scene, view) {
         return image_through(&lens, scene, view, settings, (ground_map, lights), stop);
     }
     let frame = FrameConstants::new(scene, view, settings);
+    let outline = Outline::of(&frame);
+    // Who asks for light from afar, asks all primitives.
+    let packs = packs.filter(|packs| !lights.asks() && outline.is_none() && packs.is_opaque());
+    let view_from_world = view.camera.view_from_world();
     let samples = settings.samples.clamp(1, 4096);
-    let solids = Solids::new(scene, view.camera.view_from_world());
+    let solids = match packs {
+        Some(_) => Solids::others(scene, view_from_world),
+        None => Solids::new(scene, view_from_world),
+    };
+    let side = |part| Pass::all(part, samples).first().map_or(1, |pass| pass.side);
     let shadows = Shadows::new(scene, view, &solids, lights);
     let parts = lights.parts(&shadows, samples);
-    let side = Pass::all(parts[0].clone(), samples).first().map_or(1, |pass| pass.side);
-    let picture = Picture::new(Shader::new(&frame, &solids, ground_map), view, side * SIDE as u32);
+    let tile = side(parts[0].clone()) * SIDE as u32;
+    let shader = Shader::new(&frame, &solids, ground_map);
+    let asked = (samples, parts, &shadows, lights);
+    match packs {
+        Some(packs) => {
+            let source = Packed::new(scene, packs, &solids, view, tile);
+            sampled(&Picture::new(shader, source, view, tile), asked, stop)
+        }
+        None => {
+            let source = Listed::new(&solids, outline.as_ref(), view, tile);
+            sampled(&Picture::new(shader, source, view, tile), asked, stop)
+        }
+    }
+}
+
+/// The picture of all samples, part by part.
+fn sampled<S: Source>(
+    picture: &Picture<'_, S>,
+    (samples, parts, shadows, lights): (u32, Vec<Range<u32>>, &Shadows<'_>, &mut Lights),
+    stop: &AtomicBool,
+) -> Image {
+    if samples == 1 && !lights.asks() {
+        return picture.finished(stop);
+    }
     let mut sums = picture.nothing();
     let (last, before) = parts.split_last().unwrap_or((&(0..0), &[]));
     for part in before {
@@ -242,7 +331,8 @@ fn image_through(
     let samples = settings.samples.clamp(1, 4096);
     let side = 4 * SIDE as u32;
     let (frame, none) = (FrameConstants::new(scene, view, settings), Solids::default());
-    let picture = Picture::new(Shader::new(&frame, &none, ground_map), view, side);
+    let picture =
+        Picture::new(Shader::new(&frame, &none, ground_map), Listed::new(&none, None, view, side), view, side);
     let mut sums = picture.nothing();
     for sample in 0..samples {
         if stop.load(Ordering::Relaxed) {
@@ -256,7 +346,8 @@ fn image_through(
         let parts = lights.parts(&shadows, samples);
         let part = parts.into_iter().find(|part| part.contains(&sample)).unwrap_or(sample..sample + 1);
         let questions = shadows.look(lights, &part);
-        let seen = Picture::new(Shader::new(&frame, &solids, ground_map), &view, side);
+        let source = Listed::new(&solids, Outline::of(&frame).as_ref(), &view, side);
+        let seen = Picture::new(Shader::new(&frame, &solids, ground_map), source, &view, side);
         seen.add_to_all((&[Pass::of_one(sample, samples)], &questions), &mut sums, stop);
     }
     picture.put_together(sums, stop, |_, tile, sums| picture.finish(tile, sums, samples))
@@ -271,22 +362,23 @@ pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
     let solids = Solids::new(scene, view.camera.view_from_world());
     let passes = Pass::all(0..1, 1);
     let pass = &passes[0];
-    let picture = Picture::new(Shader::new(&frame, &solids, &none), view, pass.side * SIDE as u32);
-    let across = picture.bins.tiles[0] as usize;
-    let tiles: Vec<Box<Tile>> = (0..across * picture.bins.tiles[1] as usize)
+    let side = pass.side * SIDE as u32;
+    let source = Listed::new(&solids, None, view, side);
+    let picture = Picture::new(Shader::new(&frame, &solids, &none), source, view, side);
+    let across = picture.tiles[0] as usize;
+    let tiles: Vec<Box<Tile>> = (0..across * picture.tiles[1] as usize)
         .into_par_iter()
         .map(|tile| {
             let mut bench = Bench::new();
-            picture.bins.of_tile(tile, &mut bench.candidates);
             let place = picture.place(tile, pass);
-            widest(Samples { picture: &picture, bench: &mut bench, place, lit: None });
+            widest(See { source: &picture.source, bench: &mut bench, tile, place: &place });
             bench.tile
         })
         .collect();
     let mut buffer = GBuffer::with_capacity(region.width, region.height);
     for y in 0..region.height {
         for x in 0..region.width {
-            let of = |at: u32| (at % picture.bins.tile, at / picture.bins.tile);
+            let of = |at: u32| (at % picture.tile, at / picture.tile);
             let ((column, tile_column), (row, tile_row)) = (of(x), of(y));
             let tile = &tiles[tile_row as usize * across + tile_column as usize];
             let block = |at: u32| (at / pass.side) as usize;

@@ -18,7 +18,7 @@ pub use cylinder::{FLAT_CAPS, cylinder_half, cylinder_normal, cylinder_t, flat_c
 pub use middle::{
     cone_middle_t, cylinder_middle_t, flat_cylinder_middle_t, outlined_t, sphere_middle_t, torus_middle_t,
 };
-pub use sphere::{sphere_normal, sphere_t};
+pub use sphere::{sphere_entry, sphere_normal, sphere_t};
 pub use torus::{torus_normal, torus_t};
 pub use triangle::{triangle_normal, triangle_t, triangle_weights};
 

@@ -29,6 +29,13 @@ pub fn sphere_t(ray: &Ray, sphere: &Sphere, near: f32) -> f32 {
     visible_t(entry, exit, near)
 }
 
+/// [`sphere_t`] of a sphere that lies beyond the near plane.
+#[inline(always)]
+#[must_use]
+pub fn sphere_entry(ray: &Ray, sphere: &Sphere) -> f32 {
+    sphere_interval(ray, sphere).0
+}
+
 /// Unit normal of a sphere at the hit that [`sphere_t`] gave; towards the camera where the near plane cuts the solid.
 #[must_use]
 pub fn sphere_normal(ray: &Ray, sphere: &Sphere, near: f32, t: f32) -> Vec3 {

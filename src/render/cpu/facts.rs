@@ -1,0 +1,137 @@
+//! Normals and colours of what the samples of a group see, one primitive after the other: neighbours mostly see the same few.
+
+use super::behind::Mask;
+use super::lanes::{LANES, Lanes};
+use super::source::Source;
+use crate::color::Srgb8;
+use crate::math::{max, min};
+use crate::render::outline::RIM;
+use crate::render::solids::{Cylinder, Sphere};
+use glam::Vec3;
+
+/// What shading needs of a primitive.
+pub(super) enum Fact {
+    /// A ball: its centre and linear colour.
+    Ball(Vec3, [f32; 3]),
+    /// A stick.
+    Stick(Stick),
+    /// What is found one by one.
+    Other,
+}
+
+/// What shading needs of a stick.
+pub(super) struct Stick {
+    center: Vec3,
+    /// Unit.
+    axis: Vec3,
+    radius: f32,
+    /// Where flat caps are along the axis; infinite where there are none.
+    caps: [f32; 2],
+    /// Where the axis ends for the normal: at the ends of a round stick; infinite at others.
+    ends: [f32; 2],
+    /// Linear colour of the halves.
+    colors: [[f32; 3]; 2],
+}
+
+impl Fact {
+    /// Of a ball.
+    #[inline(always)]
+    pub(super) fn of_sphere(sphere: &Sphere, color: Srgb8) -> Fact {
+        Fact::Ball(sphere.center, color.to_linear())
+    }
+
+    /// Of a stick with the colours of its halves.
+    #[inline(always)]
+    pub(super) fn of_cylinder(cylinder: &Cylinder, colors: [Srgb8; 2]) -> Fact {
+        let h = cylinder.half_length;
+        let end = |kind: u32| {
+            let at = |cap: u32| if cap & 3 == kind { h } else { f32::INFINITY };
+            [-at(cylinder.caps), at(cylinder.caps >> 2)]
+        };
+        Fact::Stick(Stick {
+            center: cylinder.center,
+            axis: cylinder.axis(),
+            radius: cylinder.radius,
+            caps: end(1),
+            ends: end(2),
+            colors: colors.map(Srgb8::to_linear),
+        })
+    }
+}
+
+/// Of the samples of a group, what they see.
+pub(super) struct Looks {
+    /// Normals of any length.
+    pub(super) normal: [Lanes; 3],
+    /// Linear.
+    pub(super) albedo: [Lanes; 3],
+}
+
+impl Looks {
+    /// Of balls and sticks where they are hit; zero for everything else.
+    #[inline(always)]
+    pub(super) fn of(source: &dyn Source, indices: &[u32; LANES], seen: &Mask, hit: &[Lanes; 3]) -> Looks {
+        let mut looks = Looks { normal: [[0.0; LANES]; 3], albedo: [[0.0; LANES]; 3] };
+        let (mut left, mut lane, simple) = (*seen, 0, source.simple());
+        while lane < LANES {
+            if left[lane] == 0 {
+                lane += 1;
+                continue;
+            }
+            let index = indices[lane];
+            let mut same = [0u32; LANES];
+            for lane in 0..LANES {
+                let is_same = if indices[lane] == index { u32::MAX } else { 0 };
+                same[lane] = left[lane] & is_same;
+                left[lane] &= !is_same;
+            }
+            if index & !RIM < simple {
+                match source.fact(index & !RIM) {
+                    Fact::Ball(center, color) => looks.add_ball(&same, hit, center, color),
+                    Fact::Stick(stick) => looks.add_stick(&same, hit, &stick),
+                    Fact::Other => {}
+                }
+            }
+        }
+        looks
+    }
+
+    #[inline(always)]
+    fn add_ball(&mut self, lanes: &Mask, hit: &[Lanes; 3], center: Vec3, color: [f32; 3]) {
+        for part in 0..3 {
+            for lane in 0..LANES {
+                let (normal, albedo) = (&mut self.normal[part][lane], &mut self.albedo[part][lane]);
+                *normal = if lanes[lane] != 0 { hit[part][lane] - center[part] } else { *normal };
+                *albedo = if lanes[lane] != 0 { color[part] } else { *albedo };
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add_stick(&mut self, lanes: &Mask, hit: &[Lanes; 3], stick: &Stick) {
+        let Stick { center, axis, radius, caps, ends, colors } = stick;
+        let is_round = ends[0] > f32::NEG_INFINITY || ends[1] < f32::INFINITY;
+        for lane in 0..LANES {
+            let p = Vec3::new(hit[0][lane], hit[1][lane], hit[2][lane]) - *center;
+            let along = p.x * axis.x + p.y * axis.y + p.z * axis.z;
+            let side = p - *axis * along;
+            let out = (side.x * side.x + side.y * side.y + side.z * side.z).sqrt();
+            // The side or a cap, whichever is nearer to the hit.
+            let off_side = (radius - out).abs();
+            let (off_a, off_b) = ((along - caps[0]).abs(), (along - caps[1]).abs());
+            let round = p - *axis * min(max(along, ends[0]), ends[1]);
+            let by_a = (off_a < off_side) & (off_a <= off_b);
+            let by_b = (off_b < off_side) & !by_a;
+            let cap = if by_a { -1.0 } else { 1.0 };
+            let is_b = along > 0.0;
+            for part in 0..3 {
+                let n = if is_round { round[part] } else { side[part] };
+                let n = if by_a | by_b { axis[part] * cap } else { n };
+                let color = if is_b { colors[1][part] } else { colors[0][part] };
+                let (normal, albedo) = (&mut self.normal[part][lane], &mut self.albedo[part][lane]);
+                *normal = if lanes[lane] != 0 { n } else { *normal };
+                *albedo = if lanes[lane] != 0 { color } else { *albedo };
+            }
+        }
+    }
+}

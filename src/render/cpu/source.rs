@@ -1,0 +1,74 @@
+//! Where the primitives of a picture come from: all of them found in view space beforehand, or pack by pack as they are
+//! needed ([`super::packs`]).
+
+use super::binning::{Bins, Candidate};
+use super::facts::Fact;
+use super::tile::{Place, Tile};
+use crate::render::outline::Outline;
+use crate::render::settings::View;
+use crate::render::solids::{Primitive, Solids};
+
+/// What can be drawn tile by tile, and tells what was seen.
+pub(super) trait Source: Sync {
+    /// Whether nothing reaches into a tile.
+    fn is_empty(&self, tile: usize) -> bool;
+
+    /// Finds what is seen in tile `number`; `candidates` is room to work in.
+    fn see(&self, tile: &mut Tile, candidates: &mut Vec<Candidate>, place: &Place<'_>, number: usize);
+
+    /// How many balls and sticks there are: they have the lowest indices.
+    fn simple(&self) -> u32;
+
+    /// The index of the first of the shader's solids.
+    fn first_of_shader(&self) -> u32;
+
+    /// What shading needs of a ball or stick.
+    fn fact(&self, index: u32) -> Fact;
+}
+
+/// All primitives, in view space.
+pub(super) struct Listed<'a> {
+    solids: &'a Solids,
+    bins: Bins,
+}
+
+impl<'a> Listed<'a> {
+    pub(super) fn new(solids: &'a Solids, outline: Option<&Outline>, view: &View, tile: u32) -> Listed<'a> {
+        Listed { solids, bins: Bins::new(solids, outline, view, tile) }
+    }
+}
+
+impl Source for Listed<'_> {
+    fn is_empty(&self, tile: usize) -> bool {
+        self.bins.is_empty(tile)
+    }
+
+    #[inline(always)]
+    fn see(&self, tile: &mut Tile, candidates: &mut Vec<Candidate>, place: &Place<'_>, number: usize) {
+        self.bins.of_tile(number, candidates);
+        tile.see(place, self.solids, candidates);
+    }
+
+    #[inline(always)]
+    fn simple(&self) -> u32 {
+        (self.solids.spheres.len() + self.solids.cylinders.len()) as u32
+    }
+
+    #[inline(always)]
+    fn first_of_shader(&self) -> u32 {
+        0
+    }
+
+    #[inline(always)]
+    fn fact(&self, index: u32) -> Fact {
+        match self.solids.primitive(index as usize) {
+            Primitive::Sphere(i) => Fact::of_sphere(&self.solids.spheres[i], self.solids.sphere_looks[i].0),
+            Primitive::Cylinder(i) => {
+                let (a, b, _) = self.solids.cylinder_looks[i];
+                Fact::of_cylinder(&self.solids.cylinders[i], [a, b])
+            }
+            // Found one by one.
+            _ => Fact::Other,
+        }
+    }
+}
