@@ -24,6 +24,7 @@ mod picking;
 mod pictures;
 mod preferences;
 mod screen;
+mod selecting;
 mod sessions;
 mod state;
 mod ui;

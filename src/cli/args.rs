@@ -2,11 +2,12 @@
 
 use super::size::{Crop, PictureSize};
 use super::values::{
-    Altloc, Axis, Backdrop, Direction, MeasureArg, RecordChoice, Region, Supercell, blur, color, counted_from_1, fog,
-    opacity, outline_width, part, positive, text_size,
+    Altloc, Axis, Backdrop, ColorOf, Direction, MeasureArg, RecordChoice, Region, StyleOf, Supercell, blur, color,
+    counted_from_1, fog, opacity, outline_width, part, positive, selection, text_size, times,
 };
 use crate::color::Srgb8;
 use crate::scene::{Projection, Viewpoint};
+use crate::select::Selection;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroU32;
 use std::path::PathBuf;
@@ -70,15 +71,15 @@ pub struct ViewArgs {
     pub renderer: RendererArgs,
 }
 
-/// `ballstick render`.
-#[derive(Debug, Clone, Args)]
-#[command(after_help = "\
+/// What stands below the flags of `render`.
+const AFTER_RENDER: &str = "\
 Examples:
   ballstick render caffeine.sdf -o caffeine.png
   ballstick render 1crn.pdb -o fig.png --size 3000x2000 --background transparent
   ballstick render 1crn.pdb -o fig.png --size 85mmx60mm --dpi 600 --crop auto
   ballstick render *.sdf -o pictures/            one picture each: pictures/NAME.png
   ballstick render *.sdf -o 'out/{stem}.webp'    the same with names of your own
+  ballstick render 1crn.pdb -o fig.png --hide water --style 'residue 10-20=space-filling'
   curl … | ballstick render - -o - > fig.png
 
 Channels (--channel) as 16-bit PNG, or as plain numbers in NPY (-o depth.npy):
@@ -94,7 +95,11 @@ Channels (--channel) as 16-bit PNG, or as plain numbers in NPY (-o depth.npy):
 
 Timings (--timings), one JSON object a picture: seconds for read, bonds, scene, render, encode
 and total; peak_memory in bytes (null where the system does not tell); atom_count, bond_count,
-renderer and output.")]
+renderer and output.";
+
+/// `ballstick render`.
+#[derive(Debug, Clone, Args)]
+#[command(after_help = AFTER_RENDER, after_long_help = format!("{AFTER_RENDER}\n\n{}", crate::select::help()))]
 pub struct RenderArgs {
     /// Molecule files; - is standard input
     #[arg(value_name = "FILE", required = true)]
@@ -155,9 +160,20 @@ pub struct RenderArgs {
 /// How things look.
 #[derive(Debug, Clone, Args)]
 pub struct LookArgs {
-    /// Representation
-    #[arg(long, value_name = "STYLE", default_value = "ball-and-stick", help_heading = "Look")]
-    pub style: StyleArg,
+    /// Representation: ball-and-stick, licorice, space-filling or wireframe; with a selection that of some atoms, as in
+    /// "ligand=space-filling"; may be given several times, and the last one of an atom counts [default: ball-and-stick]
+    #[arg(long, value_name = "[SELECTION=]STYLE", help_heading = "Look")]
+    pub style: Vec<StyleOf>,
+    /// Colour of some atoms, #rrggbb or a name, in place of the scheme's, as in "chain A=steelblue"; may be given several
+    /// times, and the last one of an atom counts
+    #[arg(long, value_name = "SELECTION=COLOR", help_heading = "Look")]
+    pub color: Vec<ColorOf>,
+    /// Size of balls in times of the usual one, 0.1 to 10
+    #[arg(long, value_name = "X", value_parser = times, default_value = "1", help_heading = "Look")]
+    pub ball_scale: f32,
+    /// Thickness of sticks in times of the usual one, 0.1 to 10
+    #[arg(long, value_name = "X", value_parser = times, default_value = "1", help_heading = "Look")]
+    pub stick_scale: f32,
     /// What the colours of atoms say
     #[arg(long, value_name = "SCHEME", default_value = "element", help_heading = "Look")]
     pub color_by: ColorByArg,
@@ -211,12 +227,22 @@ pub struct LookArgs {
     /// with the number of the FILE, 2:7,2:9,2:12; may be given several times
     #[arg(long, value_name = "ATOMS", help_heading = "Text")]
     pub measure: Vec<MeasureArg>,
+    /// Draw only these atoms, as in "chain A" or "within 5 of ligand"; given several times, all that one of them selects.
+    /// `ballstick render --help` says how atoms are selected
+    #[arg(long, value_name = "SELECTION", value_parser = selection, help_heading = "Molecule")]
+    pub show: Vec<Selection>,
+    /// Leave these atoms out; may be given several times
+    #[arg(long, value_name = "SELECTION", value_parser = selection, help_heading = "Molecule")]
+    pub hide: Vec<Selection>,
     /// Leave hydrogens out
     #[arg(long, help_heading = "Molecule")]
     pub no_hydrogens: bool,
     /// Leave water molecules out
     #[arg(long, help_heading = "Molecule")]
     pub no_water: bool,
+    /// Leave ions out
+    #[arg(long, help_heading = "Molecule")]
+    pub no_ions: bool,
     /// Alternate locations drawn: highest (occupancy), all, or one letter such as B
     #[arg(long, value_name = "WHICH", default_value = "highest", help_heading = "Molecule")]
     pub altloc: Altloc,
@@ -260,6 +286,9 @@ pub struct TextArgs {
     /// would overlap the nearest
     #[arg(long, value_name = "WHAT", value_delimiter = ',', default_value = "none", help_heading = "Text")]
     pub label: Vec<LabelArg>,
+    /// Label only these atoms, and residues with one of them; may be given several times
+    #[arg(long, value_name = "SELECTION", value_parser = selection, help_heading = "Text")]
+    pub label_only: Vec<Selection>,
     /// Size of all text, 0.2 to 5; at 1 capitals are 2 % of the picture's height
     #[arg(long, value_name = "X", value_parser = text_size, default_value = "1", help_heading = "Text")]
     pub label_size: f64,
@@ -273,6 +302,18 @@ pub struct TextArgs {
 }
 
 impl LookArgs {
+    /// The style of all atoms that no selection gives one.
+    #[must_use]
+    pub fn style(&self) -> StyleArg {
+        let plain = self.style.iter().rev().find(|StyleOf(atoms, _)| atoms.is_none());
+        plain.map_or(StyleArg::BallAndStick, |&StyleOf(_, style)| style)
+    }
+
+    /// The styles of selected atoms.
+    pub fn styles(&self) -> impl Iterator<Item = (&Selection, StyleArg)> {
+        self.style.iter().filter_map(|StyleOf(atoms, style)| Some((atoms.as_ref()?, *style)))
+    }
+
     /// Whether the picture is in perspective: a camera that was written down brings its projection.
     #[must_use]
     pub fn is_perspective(&self) -> bool {
@@ -387,6 +428,13 @@ pub struct ConvertArgs {
     /// Format, where the name of OUT does not say: json, cjson, mmcif, mol2, pdb, sdf, sdf-v3000, xyz, extxyz
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<String>,
+    /// Write only these atoms, as in "chain A" or "not water"; given several times, all that one of them selects.
+    /// `ballstick render --help` says how atoms are selected
+    #[arg(long, value_name = "SELECTION", value_parser = selection)]
+    pub show: Vec<Selection>,
+    /// Leave these atoms out; may be given several times
+    #[arg(long, value_name = "SELECTION", value_parser = selection)]
+    pub hide: Vec<Selection>,
     /// Format of IN, where neither its content nor its name tells
     #[arg(long, value_name = "FORMAT")]
     pub from: Option<String>,
@@ -626,6 +674,15 @@ mod tests {
             "--measure=2:1,2:2,1:3",
             "--no-hydrogens",
             "--no-water",
+            "--no-ions",
+            "--show=chain A",
+            "--show=ligand",
+            "--hide=within 5 of element Fe",
+            "--color=chain A=steelblue",
+            "--style=ligand=licorice",
+            "--label-only=backbone",
+            "--ball-scale=1.5",
+            "--stick-scale=0.5",
             "--overlay=a.obj",
             "--overlay=b.glb",
             "--overlay-opacity=0.5",
@@ -633,7 +690,7 @@ mod tests {
             "--overlay-color=steelblue",
         ];
         let args = render(&flags).unwrap();
-        assert_eq!((args.look.style.name(), args.look.has_ground()), ("space-filling".to_owned(), false));
+        assert_eq!((args.look.style().name(), args.look.has_ground()), ("space-filling".to_owned(), false));
         assert_eq!(args.look.text.label, [LabelArg::Element, LabelArg::Index, LabelArg::Residue]);
         assert_eq!(args.look.view, Some(Direction([-1.0, 0.0, 0.0])));
         assert_eq!(render(&["--axis", "-1,1,0"]).unwrap().look.axis, Some(Axis([-1, 1, 0])));
@@ -672,6 +729,10 @@ mod tests {
             &["--samples=5000"],
             &["--frame=0"],
             &["--style=cartoon"],
+            &["--show=chian A"],
+            &["--hide="],
+            &["--color=red"],
+            &["--ball-scale=0"],
             &["--label=element,colour"],
             &["--label-size=0"],
             &["--label-size=nan"],

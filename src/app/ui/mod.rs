@@ -8,6 +8,8 @@ mod notices;
 mod palette;
 mod panel;
 mod parts;
+mod selecting;
+mod sequence;
 mod start;
 #[cfg(test)]
 mod tests;
@@ -26,6 +28,8 @@ pub(super) struct Memory {
     palette: palette::Memory,
     view: view::Memory,
     atoms: atoms::Memory,
+    selecting: selecting::Memory,
+    sequence: sequence::Memory,
 }
 
 /// A window narrower than this, in points, has no room for the panel.
@@ -54,6 +58,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, memory: &mut Memory) -> Rect 
     for action in actions {
         state.apply(action);
     }
+    state.shown.write_selection = false;
     state.dragging = std::mem::take(&mut memory.view.dragging);
     rect
 }
