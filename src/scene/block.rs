@@ -12,7 +12,7 @@ use super::wedges::{self, Wedge};
 use super::{Block, Item, SceneOptions, Style};
 use crate::color::Srgb8;
 use crate::crystal::Stub;
-use crate::structure::{Bond, BondKind, BondOrder, ByAtom, Structure, atom_flags};
+use crate::structure::{Bond, BondKind, BondOrder, ByAtom, atom_flags};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -297,7 +297,7 @@ impl Artist<'_> {
 mod tests {
     use super::*;
     use crate::element::Element;
-    use crate::structure::{AtomRecord, BondOrder, BondSource, Diagnostics, StructureBuilder};
+    use crate::structure::{AtomRecord, BondOrder, BondSource, Diagnostics, Structure, StructureBuilder};
     use glam::DVec3;
 
     fn build(item: &Item<'_>, options: &SceneOptions) -> Block {

@@ -203,3 +203,52 @@ fn modified_and_renamed_residues_have_letters() {
     let letters: Vec<Option<char>> = ["ALA", "MSE", "HSD", "NALA", "DA5", "U", "HEM", "HOH"].map(one_letter).to_vec();
     assert_eq!(letters, [Some('A'), Some('M'), Some('H'), Some('A'), Some('A'), Some('U'), None, None]);
 }
+
+#[test]
+#[ignore = "a measurement"]
+fn speed_of_a_million() {
+    let path = std::path::Path::new("/work/tmp/peers/1m.pdb");
+    let document = import::read_path(path, &Default::default()).unwrap();
+    let structure = bonds::assign(document.records[0].clone(), &Default::default());
+    eprintln!(
+        "{} atoms, {} residues, {} bonds",
+        structure.atom_count(),
+        structure.residues().len(),
+        structure.bonds().len()
+    );
+    for text in [
+        "all",
+        "chain A",
+        "residue 10-20",
+        "resname ALA,HE*",
+        "name C*",
+        "element N,O",
+        "index 1-1000",
+        "serial > 5000",
+        "protein",
+        "backbone",
+        "sidechain",
+        "ligand",
+        "water",
+        "ion",
+        "hydrogen",
+        "bfactor > 30",
+        "x < 5",
+        "within 5 of resname ALA",
+        "within 5 of index 1-100",
+        "within 50 of index 1-100",
+        "within 5 of element O",
+        "beyond 2 of element N",
+        "within 100 of index 1-500000",
+        "bonded to element N",
+        "same residue as element O",
+        "same chain as index 1",
+        "same molecule as index 1",
+        "not water and (chain A or within 5 of element S)",
+    ] {
+        let selection = Selection::parse(text).unwrap();
+        let start = std::time::Instant::now();
+        let count = selection.atoms(Scope::of(&structure)).into_iter().filter(|&is| is).count();
+        eprintln!("{:8.1} ms  {count:8}  {text}", start.elapsed().as_secs_f64() * 1e3);
+    }
+}

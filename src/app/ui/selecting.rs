@@ -4,22 +4,24 @@ use super::panel::grouped;
 use super::parts::button;
 use super::theme;
 use crate::app::action::Action;
+use crate::app::build::Built;
 use crate::app::commands::capital;
 use crate::app::selecting::{self, Deed, How};
 use crate::app::state::State;
 use crate::color::Srgb8;
 use crate::scene::Style;
-use crate::select::{Completions, ParseError, Scope, completions};
+use crate::select::{Completions, ParseError, Scope, Selection, completions};
 use egui::text::{CCursor, CCursorRange, LayoutJob, TextFormat};
 use egui::text_edit::TextEditState;
 use egui::{Color32, FontSelection, Id, Key, Modifiers, RichText, Stroke, TextEdit, Ui};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// What the field keeps from frame to frame.
 pub(super) struct Memory {
     text: String,
-    /// What was last asked, of which picture, and what was found: so many atoms.
-    asked: Option<(String, u64, Result<usize, ParseError>)>,
+    /// What was last asked, of which scene, and what was found: so many atoms, if they were counted.
+    asked: Option<(String, Arc<Built>, Result<Option<usize>, ParseError>)>,
     /// What can be written, at a place of which text.
     proposed: Option<(String, usize, Completions)>,
     /// Which of these the arrows have come to.
@@ -35,6 +37,8 @@ impl Default for Memory {
     }
 }
 
+/// Atoms of up to so many are counted while a selection is being written (chosen: some 10 ms for the slowest ones, distances).
+const MOST_COUNTED: usize = 100_000;
 /// Completions that are shown at once.
 const MOST_SHOWN: usize = 8;
 
@@ -86,7 +90,7 @@ fn field(ui: &mut Ui, state: &State, memory: &mut Memory, actions: &mut Vec<Acti
     };
     let mut layouter = |ui: &Ui, buffer: &dyn egui::TextBuffer, _: f32| {
         let job = marked(ui, buffer.as_str(), wrong.clone());
-        ui.fonts_mut(|fonts| fonts.layout_job(job))
+        ui.ctx().fonts_mut(|fonts| fonts.layout_job(job))
     };
     let edit = TextEdit::singleline(&mut memory.text)
         .id(id)
@@ -165,10 +169,15 @@ fn put(ui: &Ui, memory: &mut Memory, id: Id, span: Range<usize>, text: &str) {
 fn ask(state: &State, memory: &mut Memory, at: usize, has_focus: bool) {
     let text = memory.text.trim_end();
     let is_same =
-        memory.asked.as_ref().is_some_and(|(old, version, _)| *old == memory.text && *version == state.version);
+        memory.asked.as_ref().is_some_and(|(old, of, _)| *old == memory.text && Arc::ptr_eq(of, &state.built));
     if !is_same && !text.is_empty() {
-        let found = selecting::find(state, text).map(|(_, keys)| keys.len());
-        memory.asked = Some((memory.text.clone(), state.version, found));
+        let atoms: usize = state.built.drawn.iter().map(|(_, drawn)| drawn.structure.atom_count()).sum();
+        let found = if atoms > MOST_COUNTED {
+            Selection::parse(text).map(|_| None)
+        } else {
+            selecting::find(state, text).map(|(_, keys)| Some(keys.len()))
+        };
+        memory.asked = Some((memory.text.clone(), Arc::clone(&state.built), found));
     } else if text.is_empty() {
         memory.asked = None;
     }
@@ -186,9 +195,10 @@ fn verdict(ui: &mut Ui, memory: &mut Memory, has_focus: bool) {
         None => {}
         Some((_, _, Ok(count))) => {
             let text = match count {
-                0 => "No atom is so".to_owned(),
-                1 => "1 atom; Enter selects it".to_owned(),
-                count => format!("{} atoms; Enter selects them", grouped(*count)),
+                None => "Enter selects".to_owned(),
+                Some(0) => "No atom is so".to_owned(),
+                Some(1) => "1 atom; Enter selects it".to_owned(),
+                Some(count) => format!("{} atoms; Enter selects them", grouped(*count)),
             };
             ui.label(RichText::new(text).small().weak());
         }

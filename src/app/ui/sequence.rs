@@ -210,7 +210,7 @@ fn number(ui: &Ui, memory: &Memory, rect: Rect, at: usize) {
 /// One letter.
 fn letter(ui: &Ui, memory: &Memory, cell: Rect, at: usize) -> egui::Response {
     let (place, letter) = memory.residues[at];
-    let response = ui.interact(cell, ui.id().with(("letter", at)), Sense::click_and_drag());
+    let response = ui.interact(cell, ui.scope_id().with(("letter", at)), Sense::click_and_drag());
     let name = || {
         let drawn = memory.of.iter().find(|(own, _)| *own == place.0).map(|(_, drawn)| drawn);
         drawn.map_or_else(String::new, |drawn| {

@@ -229,7 +229,9 @@ fn rings(painter: &Painter, view: &View<'_>, keys: impl Iterator<Item = AtomKey>
         let Some((at, per_angstrom)) = view.on_screen(halo.center.into()) else { continue };
         let radius = (halo.ring_radius * per_angstrom).max(LEAST_RING);
         let width = (2.0 * halo.tube_radius * per_angstrom).clamp(RING_WIDTH.0, RING_WIDTH.1);
-        let is_seen = view.state.built.picker.pick(&camera, view.px(at)).is_some_and(|hit| hit.id == halo.id);
+        // Its own ball, or a stick that ends in it.
+        let hit = view.state.built.picker.pick(&camera, view.px(at));
+        let is_seen = hit.is_some_and(|hit| hit.point.distance(halo.center.into()) < halo.ring_radius);
         let strength = if is_seen { 1.0 } else { 0.35 };
         // Seen on light and on dark.
         let light = Color32::from_white_alpha(150).gamma_multiply(strength);
