@@ -1,13 +1,13 @@
 //! The command line, as it is typed. Nothing here acts; names and defaults are what others script against.
 
+use super::atoms::{AtomArgs, ShowArgs};
 use super::size::{Crop, PictureSize};
 use super::values::{
-    Altloc, Axis, Backdrop, ColorOf, Direction, MeasureArg, RecordChoice, Region, StyleOf, Supercell, blur, color,
-    counted_from_1, fog, opacity, outline_width, part, positive, selection, text_size, times,
+    Altloc, Axis, Backdrop, Direction, MeasureArg, RecordChoice, Region, Supercell, blur, color, counted_from_1, fog,
+    opacity, outline_width, part, positive, text_size,
 };
 use crate::color::Srgb8;
 use crate::scene::{Projection, Viewpoint};
-use crate::select::Selection;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroU32;
 use std::path::PathBuf;
@@ -160,20 +160,9 @@ pub struct RenderArgs {
 /// How things look.
 #[derive(Debug, Clone, Args)]
 pub struct LookArgs {
-    /// Representation: ball-and-stick, licorice, space-filling or wireframe; with a selection that of some atoms, as in
-    /// "ligand=space-filling"; may be given several times, and the last one of an atom counts [default: ball-and-stick]
-    #[arg(long, value_name = "[SELECTION=]STYLE", help_heading = "Look")]
-    pub style: Vec<StyleOf>,
-    /// Colour of some atoms, #rrggbb or a name, in place of the scheme's, as in "chain A=steelblue"; may be given several
-    /// times, and the last one of an atom counts
-    #[arg(long, value_name = "SELECTION=COLOR", help_heading = "Look")]
-    pub color: Vec<ColorOf>,
-    /// Size of balls in times of the usual one, 0.1 to 10
-    #[arg(long, value_name = "X", value_parser = times, default_value = "1", help_heading = "Look")]
-    pub ball_scale: f32,
-    /// Thickness of sticks in times of the usual one, 0.1 to 10
-    #[arg(long, value_name = "X", value_parser = times, default_value = "1", help_heading = "Look")]
-    pub stick_scale: f32,
+    /// Atoms.
+    #[command(flatten)]
+    pub atoms: AtomArgs,
     /// What the colours of atoms say
     #[arg(long, value_name = "SCHEME", default_value = "element", help_heading = "Look")]
     pub color_by: ColorByArg,
@@ -227,13 +216,6 @@ pub struct LookArgs {
     /// with the number of the FILE, 2:7,2:9,2:12; may be given several times
     #[arg(long, value_name = "ATOMS", help_heading = "Text")]
     pub measure: Vec<MeasureArg>,
-    /// Draw only these atoms, as in "chain A" or "within 5 of ligand"; given several times, all that one of them selects.
-    /// `ballstick render --help` says how atoms are selected
-    #[arg(long, value_name = "SELECTION", value_parser = selection, help_heading = "Molecule")]
-    pub show: Vec<Selection>,
-    /// Leave these atoms out; may be given several times
-    #[arg(long, value_name = "SELECTION", value_parser = selection, help_heading = "Molecule")]
-    pub hide: Vec<Selection>,
     /// Leave hydrogens out
     #[arg(long, help_heading = "Molecule")]
     pub no_hydrogens: bool,
@@ -286,9 +268,6 @@ pub struct TextArgs {
     /// would overlap the nearest
     #[arg(long, value_name = "WHAT", value_delimiter = ',', default_value = "none", help_heading = "Text")]
     pub label: Vec<LabelArg>,
-    /// Label only these atoms, and residues with one of them; may be given several times
-    #[arg(long, value_name = "SELECTION", value_parser = selection, help_heading = "Text")]
-    pub label_only: Vec<Selection>,
     /// Size of all text, 0.2 to 5; at 1 capitals are 2 % of the picture's height
     #[arg(long, value_name = "X", value_parser = text_size, default_value = "1", help_heading = "Text")]
     pub label_size: f64,
@@ -302,18 +281,6 @@ pub struct TextArgs {
 }
 
 impl LookArgs {
-    /// The style of all atoms that no selection gives one.
-    #[must_use]
-    pub fn style(&self) -> StyleArg {
-        let plain = self.style.iter().rev().find(|StyleOf(atoms, _)| atoms.is_none());
-        plain.map_or(StyleArg::BallAndStick, |&StyleOf(_, style)| style)
-    }
-
-    /// The styles of selected atoms.
-    pub fn styles(&self) -> impl Iterator<Item = (&Selection, StyleArg)> {
-        self.style.iter().filter_map(|StyleOf(atoms, style)| Some((atoms.as_ref()?, *style)))
-    }
-
     /// Whether the picture is in perspective: a camera that was written down brings its projection.
     #[must_use]
     pub fn is_perspective(&self) -> bool {
@@ -428,16 +395,12 @@ pub struct ConvertArgs {
     /// Format, where the name of OUT does not say: json, cjson, mmcif, mol2, pdb, sdf, sdf-v3000, xyz, extxyz
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<String>,
-    /// Write only these atoms, as in "chain A" or "not water"; given several times, all that one of them selects.
-    /// `ballstick render --help` says how atoms are selected
-    #[arg(long, value_name = "SELECTION", value_parser = selection)]
-    pub show: Vec<Selection>,
-    /// Leave these atoms out; may be given several times
-    #[arg(long, value_name = "SELECTION", value_parser = selection)]
-    pub hide: Vec<Selection>,
     /// Format of IN, where neither its content nor its name tells
     #[arg(long, value_name = "FORMAT")]
     pub from: Option<String>,
+    /// Atoms.
+    #[command(flatten)]
+    pub shown: ShowArgs,
     /// Bonds.
     #[command(flatten)]
     pub bonds: BondArgs,
@@ -690,7 +653,7 @@ mod tests {
             "--overlay-color=steelblue",
         ];
         let args = render(&flags).unwrap();
-        assert_eq!((args.look.style().name(), args.look.has_ground()), ("space-filling".to_owned(), false));
+        assert_eq!((args.look.atoms.style().name(), args.look.has_ground()), ("space-filling".to_owned(), false));
         assert_eq!(args.look.text.label, [LabelArg::Element, LabelArg::Index, LabelArg::Residue]);
         assert_eq!(args.look.view, Some(Direction([-1.0, 0.0, 0.0])));
         assert_eq!(render(&["--axis", "-1,1,0"]).unwrap().look.axis, Some(Axis([-1, 1, 0])));

@@ -1,18 +1,19 @@
 //! From arguments to scene and renderer: the only module of the command line that knows them.
 
-use super::args::{LabelArg, LookArgs, Named, RenderArgs, RendererArgs, StyleArg, TextArgs};
+use super::args::{LabelArg, LookArgs, Named, RenderArgs, RendererArgs, TextArgs};
+use super::atoms::style;
 use super::devices::{Adapter, Devices};
 use super::picture::{Draw, Pixels};
 use super::size::Size;
-use super::values::{Altloc, Axis, ColorOf, Direction, MeasureArg, Region};
+use super::values::{Altloc, Axis, Direction, MeasureArg, Region};
 use crate::cli::args::Channel;
 use crate::crystal::Drawn;
 use crate::error::{Error, Result};
 use crate::import;
 use crate::render::{Choice, Quality, Renderer, Selection, Settings, View, crop, select};
 use crate::scene::{
-    AltlocChoice, Aromatic, AtomPlace, Background, BySelection, ColorBy, DepthOfField, Item, LabelContent, LightFrame,
-    Look, Measurement, Orientation, OverlayOptions, Scene, SceneOptions, Style, VectorChoice, vector_scales,
+    AltlocChoice, Aromatic, AtomPlace, Background, ColorBy, DepthOfField, Item, LabelContent, LightFrame, Look,
+    Measurement, Orientation, OverlayOptions, Scene, SceneOptions, VectorChoice, vector_scales,
 };
 use crate::structure::Mesh;
 use glam::{DVec3, Vec3};
@@ -194,7 +195,7 @@ pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOpt
     let vectors = VectorChoice::from_name(&look.vectors);
     vectors.check(drawn.iter().map(|drawn| &drawn.structure))?;
     Ok(SceneOptions {
-        style: style(look.style()),
+        style: style(look.atoms.style()),
         color_by: ColorBy::from_name(&look.color_by.name()).unwrap_or_default(),
         altloc: match look.altloc {
             Altloc::Highest => AltlocChoice::Highest,
@@ -211,15 +212,9 @@ pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOpt
         hydrogens: !look.no_hydrogens,
         water: !look.no_water,
         ions: !look.no_ions,
-        by_selection: BySelection {
-            show: look.show.clone(),
-            hide: look.hide.clone(),
-            colors: look.color.iter().map(|ColorOf(atoms, color)| (atoms.clone(), *color)).collect(),
-            styles: look.styles().map(|(atoms, arg)| (atoms.clone(), style(arg))).collect(),
-            labels: look.text.label_only.clone(),
-        },
-        ball_scale: look.ball_scale,
-        stick_scale: look.stick_scale,
+        by_selection: look.atoms.by_selection(),
+        ball_scale: look.atoms.ball_scale,
+        stick_scale: look.atoms.stick_scale,
         measurements: look.measure.iter().map(measurement).collect(),
         ground: look.has_ground(),
         background: look.backdrop().0.map_or(Background::Transparent, Background::Color),
@@ -242,10 +237,6 @@ pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOpt
         overlay_wireframe: look.overlay_wireframe,
         overlay_color: look.overlay_color,
     })
-}
-
-fn style(arg: StyleArg) -> Style {
-    Style::from_name(&arg.name()).unwrap_or_default()
 }
 
 fn measurement(MeasureArg(atoms): &MeasureArg) -> Measurement {
@@ -401,7 +392,8 @@ fn adapters() -> Vec<Adapter> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::args::{AromaticArg, CellArg, ColorByArg, LookArg, QualityArg, RendererArg};
+    use crate::cli::args::{AromaticArg, CellArg, ColorByArg, LookArg, QualityArg, RendererArg, StyleArg};
+    use crate::scene::Style;
     use crate::structure::{AtomRecord, Cell, Diagnostics, StructureBuilder};
     use clap::ValueEnum;
 

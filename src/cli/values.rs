@@ -1,8 +1,5 @@
 //! Values of flags: regions, directions, lattice axes, records. Each parser says what it expected and what it found.
 
-use super::args::{Named, StyleArg};
-use crate::select::Selection;
-use clap::ValueEnum;
 use std::num::NonZeroU32;
 use std::str::FromStr;
 
@@ -210,81 +207,6 @@ pub(super) fn color(text: &str) -> Result<crate::color::Srgb8, String> {
     crate::color::Srgb8::parse(text).ok_or_else(|| "expected #rrggbb, #rgb, or a name such as steelblue".to_owned())
 }
 
-/// A size in times of the usual one.
-pub(super) fn times(text: &str) -> Result<f32, String> {
-    let times = text.trim().parse().ok().filter(|x: &f32| (0.1..=10.0).contains(x));
-    times.ok_or_else(|| "expected a number from 0.1 to 10, such as 1.5".to_owned())
-}
-
-/// Atoms by words.
-pub(super) fn selection(text: &str) -> Result<Selection, String> {
-    Selection::parse(text).map_err(|error| error.to_string())
-}
-
-/// The two sides of the last `=`.
-fn of_selection<'t>(text: &'t str, such_as: &str) -> Result<(Selection, &'t str), String> {
-    let (atoms, value) =
-        text.rsplit_once('=').ok_or_else(|| format!("expected a selection, = and a value, such as {such_as}"))?;
-    Ok((selection(atoms)?, value.trim()))
-}
-
-/// A colour of selected atoms: `SELECTION=COLOR`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ColorOf(pub Selection, pub crate::color::Srgb8);
-
-impl FromStr for ColorOf {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<ColorOf, String> {
-        let (atoms, value) = of_selection(text, "\"chain A=steelblue\"")?;
-        match crate::color::Srgb8::parse(value) {
-            Some(color) if color.a == 255 => Ok(ColorOf(atoms, color)),
-            _ => Err(format!("expected #rrggbb, #rgb, or a name such as steelblue behind the =, found {value}")),
-        }
-    }
-}
-
-impl std::fmt::Display for ColorOf {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}={}", self.0, self.1)
-    }
-}
-
-/// A style, of all atoms or of selected ones: `STYLE` or `SELECTION=STYLE`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct StyleOf(pub Option<Selection>, pub StyleArg);
-
-impl FromStr for StyleOf {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<StyleOf, String> {
-        let style = |name: &str| StyleArg::from_str(name.trim(), true);
-        if !text.contains('=') {
-            let all: Vec<String> = StyleArg::value_variants().iter().map(Named::name).collect();
-            return style(text)
-                .map(|style| StyleOf(None, style))
-                .map_err(|_| format!("expected {}, or SELECTION=STYLE such as \"ligand=licorice\"", all.join(", ")));
-        }
-        let (atoms, value) = of_selection(text, "\"ligand=licorice\"")?;
-        match style(value) {
-            Ok(style) => Ok(StyleOf(Some(atoms), style)),
-            Err(_) => {
-                let all: Vec<String> = StyleArg::value_variants().iter().map(Named::name).collect();
-                Err(format!("expected {} behind the =, found {value}", all.join(", ")))
-            }
-        }
-    }
-}
-
-impl std::fmt::Display for StyleOf {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match &self.0 {
-            Some(atoms) => write!(f, "{atoms}={}", self.1.name()),
-            None => f.write_str(&self.1.name()),
-        }
-    }
-}
-
 /// Which record of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordChoice {
@@ -452,28 +374,6 @@ pub(super) mod tests {
         }
         assert_eq!(color("#f00"), Ok(Srgb8::rgb(255, 0, 0)));
         assert!(color("reddish").is_err());
-    }
-
-    #[test]
-    fn colours_and_styles_of_selections() {
-        let atoms = |text: &str| Selection::parse(text).unwrap();
-        check(
-            &[
-                ("chain A=red", ColorOf(atoms("chain A"), Srgb8::rgb(255, 0, 0))),
-                ("bfactor = 30 = #102030", ColorOf(atoms("bfactor = 30"), Srgb8::rgb(16, 32, 48))),
-            ],
-            &["", "red", "chain A", "chain A=reddish", "=red", "chian A=red", "chain A=#10203040"],
-        );
-        check(
-            &[
-                ("licorice", StyleOf(None, StyleArg::Licorice)),
-                ("occupancy=1=space-filling", StyleOf(Some(atoms("occupancy=1")), StyleArg::SpaceFilling)),
-            ],
-            &["", "cartoon", "ligand=", "ligand=cartoon", "=licorice", "ligant=licorice"],
-        );
-        let error = "chain A adn water=red".parse::<ColorOf>().unwrap_err();
-        assert!(error.contains("did you mean `and`?") && error.ends_with("        ^^^"), "{error}");
-        assert!(times("0").is_err() && times("nan").is_err() && times("1.5") == Ok(1.5));
     }
 
     #[test]
