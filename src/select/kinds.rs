@@ -145,12 +145,12 @@ pub fn residue_kinds(structure: &Structure) -> Vec<ResidueKind> {
     if residues.is_empty() {
         return Vec::new();
     }
-    let letter = |table: &[(&str, char)], name: &str| {
+    let is_name_in = |table: &[(&str, char)], name: &str| {
         let is_in = |name: &str| table.iter().any(|(own, _)| *own == name);
         is_in(name) || bonds::standard_name(name).is_some_and(is_in)
     };
-    let amino = Marked::new(structure, |name| letter(&AMINO, name) || CAPS.contains(&name));
-    let nucleotides = Marked::new(structure, |name| letter(&NUCLEIC, name));
+    let amino = Marked::new(structure, |name| is_name_in(&AMINO, name) || CAPS.contains(&name));
+    let nucleotides = Marked::new(structure, |name| is_name_in(&NUCLEIC, name));
     let ions = Marked::new(structure, |name| IONS.contains(&name));
     let backbone = ["N", "CA", "C"].map(|name| structure.find_name(name));
     let sugar =
@@ -198,8 +198,9 @@ fn is_ion(elements: &[Element]) -> bool {
 /// Hetero residues without a bond to another residue of a chain are none.
 fn free_ligands(structure: &Structure, is_hetero: &[bool], kinds: &mut [ResidueKind]) {
     let is_chain = |kind: ResidueKind| matches!(kind, ResidueKind::Protein | ResidueKind::Nucleic);
-    let is_doubtful = |index: usize, kinds: &[ResidueKind]| is_hetero[index] && is_chain(kinds[index]);
-    if structure.bonds().is_empty() || !(0..kinds.len()).any(|index| is_doubtful(index, kinds)) {
+    let is_doubtful: Vec<bool> =
+        kinds.iter().zip(is_hetero).map(|(&kind, &is_hetero)| is_hetero && is_chain(kind)).collect();
+    if structure.bonds().is_empty() || !is_doubtful.contains(&true) {
         return;
     }
     let mut is_linked = vec![false; kinds.len()];
@@ -213,9 +214,9 @@ fn free_ligands(structure: &Structure, is_hetero: &[bool], kinds: &mut [ResidueK
             (is_linked[a], is_linked[b]) = (true, true);
         }
     }
-    for index in 0..kinds.len() {
-        if is_doubtful(index, kinds) && !is_linked[index] {
-            kinds[index] = ResidueKind::Other;
+    for ((kind, is_doubtful), is_linked) in kinds.iter_mut().zip(is_doubtful).zip(is_linked) {
+        if is_doubtful && !is_linked {
+            *kind = ResidueKind::Other;
         }
     }
 }

@@ -55,10 +55,11 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, memory: &mut Memory) -> Rect 
     help::show(ui.ctx(), state, &mut actions);
     dialogs::show(ui.ctx(), state, &mut actions);
     palette::show(ui.ctx(), state, &mut memory.palette, &mut actions);
+    // The field has seen it; an action may ask for it anew.
+    state.shown.write_selection = false;
     for action in actions {
         state.apply(action);
     }
-    state.shown.write_selection = false;
     state.dragging = std::mem::take(&mut memory.view.dragging);
     rect
 }

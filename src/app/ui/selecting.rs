@@ -104,6 +104,7 @@ fn field(ui: &mut Ui, state: &State, memory: &mut Memory, actions: &mut Vec<Acti
     response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::TextInput, true, "Selection"));
     if state.shown.write_selection {
         response.request_focus();
+        response.scroll_to_me(None);
     }
     if response.changed() {
         memory.chosen = None;
