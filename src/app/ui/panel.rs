@@ -144,6 +144,8 @@ fn style(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         ("Sticks", scene.stick_scale, Action::StickScale as fn(f32) -> Action),
     ] {
         row(ui, name, |ui| {
+            // With the number beside it, as wide as the panel.
+            ui.spacing_mut().slider_width = 110.0;
             let mut times = times;
             let slider = egui::Slider::new(&mut times, 0.25..=4.0).logarithmic(true).fixed_decimals(2);
             let response = ui.add(slider.clamping(egui::SliderClamping::Edits));

@@ -416,7 +416,9 @@ fn the_sequence_selects_and_shows_what_is_selected() {
     let layer = harness.state().state.work.layers[0].id;
     harness.state_mut().state.apply(Action::Pick(Some(crate::app::work::AtomKey { layer, atom: 15 })));
     steps(&mut harness);
-    let is_on = |harness: &Harness<'_, App>, label: &str| harness.get_by_label(label).accesskit_node().is_selected();
+    let is_on = |harness: &Harness<'_, App>, label: &str| {
+        harness.get_by_label(label).accesskit_node().toggled().map(|toggled| toggled == egui::accesskit::Toggled::True)
+    };
     assert_eq!(is_on(&harness, "CYS 3"), Some(true));
     assert_eq!(is_on(&harness, "THR 2"), Some(false));
 }
