@@ -27,12 +27,12 @@ pub(super) fn show(ui: &mut Ui, state: &State, memory: &mut Memory, actions: &mu
             section(ui, "Style", true, |ui| style(ui, state, actions));
             section(ui, "Light", true, |ui| light(ui, state, actions));
             section(ui, "Show", true, |ui| shown(ui, state, actions));
+            section(ui, "Selection", true, |ui| selecting::show(ui, state, &mut memory.selecting, actions));
             section(ui, "Labels", false, |ui| labels(ui, state, actions));
             section(ui, "Bonds", false, |ui| bonds(ui, state, actions));
             if state.built.drawn.iter().any(|(_, drawn)| drawn.cell.is_some()) {
                 section(ui, "Crystal", true, |ui| crystal(ui, state, actions));
             }
-            section(ui, "Selection", true, |ui| selecting::show(ui, state, &mut memory.selecting, actions));
             section(ui, "Picked and measured", true, |ui| picked(ui, state, actions));
             if sequence::has_any(state, &mut memory.sequence) {
                 section(ui, "Sequence", true, |ui| sequence::show(ui, state, &mut memory.sequence, actions));

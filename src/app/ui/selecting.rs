@@ -50,9 +50,6 @@ pub(super) fn show(ui: &mut Ui, state: &State, memory: &mut Memory, actions: &mu
         button(ui, "All", "Select everything (Ctrl+A)", Action::PickAll, actions);
         button(ui, "Others", "Select what is not selected (Ctrl+I)", Action::Choose(How::Invert), actions);
         button(ui, "Grow", "What has bonds to it as well (Shift+E)", Action::Choose(How::Grow), actions);
-        if count > 0 {
-            button(ui, "Nothing", "Select nothing (Esc)", Action::PickNone, actions);
-        }
     });
     if count > 0 {
         deeds(ui, state, memory, actions);
@@ -205,7 +202,7 @@ fn verdict(ui: &mut Ui, memory: &mut Memory, has_focus: bool) {
         }
         // It is still being written.
         Some((_, _, Err(error))) if error.span.is_empty() && has_focus => {
-            ui.label(RichText::new(&error.message).small().weak());
+            ui.label(RichText::new(capital(&error.message)).small().weak());
         }
         Some((_, _, Err(error))) => {
             ui.label(RichText::new(capital(&error.message)).small().color(theme::wrong(ui)));
@@ -251,7 +248,6 @@ fn deeds(ui: &mut Ui, state: &State, memory: &mut Memory, actions: &mut Vec<Acti
         deed(ui, "Hide", "Do not draw it (X)", Deed::Hide);
         deed(ui, "Show only", "Draw nothing else (Shift+X)", Deed::ShowOnly);
         deed(ui, "Label", "Label only it (Shift+L)", Deed::Label);
-        button(ui, "Centre on it", "Turn about it (C)", Action::Center, actions);
     });
     ui.horizontal(|ui| {
         let mut rgb = [memory.color.r, memory.color.g, memory.color.b];

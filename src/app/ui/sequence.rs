@@ -116,7 +116,11 @@ pub(super) fn show(ui: &mut Ui, state: &State, memory: &mut Memory, actions: &mu
     let is_news = memory.mark(state);
     let per_row = (((ui.available_width() - NUMBER - 14.0) / LETTER) as usize).clamp(5, 60) / 5 * 5;
     let rows = rows(&memory.chains, per_row);
-    let mut area = ScrollArea::vertical().max_height(HEIGHT).auto_shrink([false, true]).id_salt("sequence");
+    let mut area = ScrollArea::vertical()
+        .min_scrolled_height(HEIGHT)
+        .max_height(HEIGHT)
+        .auto_shrink([false, true])
+        .id_salt("sequence");
     let last = memory.picked.as_ref().filter(|_| is_news).and_then(|picked| residue_of(state, *picked.last()?));
     if let Some(at) = last.and_then(|place| memory.residues.iter().position(|(own, _)| *own == place))
         && let Some(row) = rows.iter().position(|(_, range)| range.contains(&at))
