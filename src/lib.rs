@@ -39,6 +39,7 @@
 //! | [`structure`] | the molecular model: structure of arrays, immutable once built |
 //! | [`import`], [`bonds`] | bytes to structures (and triangle meshes, [`import::mesh`]), never guessing a bond; structures to bonds, never reading a file |
 //! | [`crystal`] | which copies of a periodic structure's atoms are drawn: whole molecules, cells, supercells |
+//! | [`select`] | atoms by words, as in `chain A and not water`: the language, its errors and completions |
 //! | [`scene`] | blocks of primitives × placements, styles, colours, arrows, overlays, camera, light, ground; knows no renderer |
 //! | [`render`] | the definition of the picture ([`render::frame`]), the CPU renderer, the wgpu renderer, and the choice between them |
 //! | [`export`] | picture files, structure files, atomic writes |
@@ -91,10 +92,11 @@
 //!   they would by the rules of glass; with 4 samples there are only 4 steps of opacity. Their shadows on the ground do not add up:
 //!   the darkest counts.
 //! - A coarse mesh with smooth normals shades itself where the light grazes it: its faces are flat.
-//! - In a window drawn by a GPU there are no labels while something moves. The rings about picked atoms are drawn over the picture, in front of
-//!   what hides the atom, and are not in exports.
+//! - In a window drawn by a GPU there are no labels while something moves. The rings about picked atoms are drawn over the picture, faint
+//!   where something is before the atom, and are not in exports.
 //! - Sessions keep neither meshes laid over the molecule nor samples, and find atoms by their numbers. `--camera` writes one frame and one
 //!   view; files that show different frames are one command line only with the same.
+//! - Selections know distances within what is drawn, not across the faces of a cell, and no secondary structure but what the file states.
 //! - How far reading a file is can be told by its steps only; one that is given up is read to its end, unseen.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
 //! - Large pictures are drawn in strips, each of which sorts all primitives anew. JPEG and WebP are gathered in memory, 3 or 4 bytes a
@@ -127,6 +129,7 @@ pub mod import;
 pub mod math;
 pub mod render;
 pub mod scene;
+pub mod select;
 pub mod session;
 pub mod structure;
 

@@ -1,5 +1,6 @@
 //! Everything a person can do, as values: keys, panel, palette, undo and tests all speak through these.
 
+use super::selecting::{Deed, How};
 use super::work::{AtomKey, Layer};
 use crate::bonds::BondMode;
 use crate::crystal::CellChoice;
@@ -56,6 +57,9 @@ pub(super) enum Action {
     ScaleBar(bool),
     Hydrogens(bool),
     Water(bool),
+    Ions(bool),
+    BallScale(f32),
+    StickScale(f32),
     Aromatic(Aromatic),
     Haptic(bool),
     Bonds(BondMode),
@@ -73,6 +77,10 @@ pub(super) enum Action {
     PickNone,
     /// From the picked atoms to their residues, from these to their chains, then to all.
     PickMore,
+    /// Select in other ways.
+    Choose(How),
+    /// Do something with what is selected.
+    OnPicked(Deed),
     /// Whether clicks gather atoms to measure.
     Measuring(bool),
     /// Keep the distance, angle or dihedral of the picked atoms.
@@ -118,6 +126,8 @@ impl Action {
             Action::Frame(..) | Action::Step(_) => Some("frame"),
             Action::Background(_) => Some("background"),
             Action::LabelSize(_) => Some("label size"),
+            Action::BallScale(_) | Action::StickScale(_) => Some("sizes"),
+            Action::OnPicked(Deed::Color(_)) => Some("colour of selected atoms"),
             _ => None,
         }
     }
@@ -144,13 +154,24 @@ impl Action {
             Action::Ground(_) => "ground",
             Action::Axes(_) => "axes",
             Action::Labels(_) | Action::LabelSize(_) | Action::Legend(_) | Action::ScaleBar(_) => "text",
-            Action::Hydrogens(_) | Action::Water(_) => "atoms shown",
+            Action::BallScale(_) | Action::StickScale(_) => "sizes",
+            Action::Hydrogens(_) | Action::Water(_) | Action::Ions(_) => "atoms shown",
+            Action::OnPicked(deed) => match deed {
+                Deed::Hide | Deed::ShowOnly | Deed::ShowAll => "atoms shown",
+                Deed::Color(_) => "colour of selected atoms",
+                Deed::Style(_) => "style of selected atoms",
+                Deed::Label => "labels of selected atoms",
+                Deed::Forget(..) | Deed::ForgetAll => "what selections say",
+            },
             Action::Aromatic(_) | Action::Haptic(_) | Action::Bonds(_) | Action::HydrogenBonds(_) => "bonds",
             Action::Cell(_) | Action::Supercell(_) | Action::CellBox(_) => "cell",
             Action::Quality(_) => "quality",
-            Action::Pick(_) | Action::PickAlso(_) | Action::PickAll | Action::PickNone | Action::PickMore => {
-                "selection"
-            }
+            Action::Pick(_)
+            | Action::PickAlso(_)
+            | Action::PickAll
+            | Action::PickNone
+            | Action::PickMore
+            | Action::Choose(_) => "selection",
             Action::Measure | Action::ForgetMeasurement(_) | Action::ForgetMeasurements => "measurement",
             Action::Frame(..) | Action::Step(_) | Action::FirstFrame | Action::LastFrame => "frame",
             _ => "change",

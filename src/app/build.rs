@@ -24,6 +24,8 @@ type Layer = (u32, Arc<Document>, usize);
 #[derive(Clone)]
 pub(super) struct Spec {
     layers: Vec<Layer>,
+    /// The places of their files among all, from 1.
+    files: Vec<u32>,
     scene: SceneOptions,
     crystal: CrystalOptions,
     cell_box: Option<bool>,
@@ -32,8 +34,9 @@ pub(super) struct Spec {
 impl Spec {
     pub(super) fn of(work: &Work) -> Spec {
         let layers = work.shown().map(|layer| (layer.id, Arc::clone(&layer.document), layer.frame)).collect();
+        let files = work.layers.iter().zip(1u32..).filter(|(layer, _)| layer.visible).map(|(_, file)| file).collect();
         let scene = SceneOptions { measurements: work.scene_measurements(), ..work.scene.clone() };
-        Spec { layers, scene, crystal: work.crystal, cell_box: work.cell_box }
+        Spec { layers, files, scene, crystal: work.crystal, cell_box: work.cell_box }
     }
 
     /// Whether a scene of the other has the same primitives, so that only its light may differ.
@@ -41,9 +44,18 @@ impl Spec {
         let same_layer = |(a, b): (&Layer, &Layer)| a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1) && a.2 == b.2;
         self.layers.len() == other.layers.len()
             && self.layers.iter().zip(&other.layers).all(same_layer)
+            && self.files == other.files
             && self.scene.lit_as(&other.scene) == other.scene
             && self.crystal == other.crystal
             && self.cell_box == other.cell_box
+    }
+
+    /// Whether selections of the other were asked of something else, frames aside, or are others.
+    pub(super) fn selects_anew(&self, other: &Spec) -> bool {
+        let same_layer = |(a, b): (&Layer, &Layer)| a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1);
+        self.scene.by_selection != other.scene.by_selection
+            || self.layers.len() != other.layers.len()
+            || !self.layers.iter().zip(&other.layers).all(same_layer)
     }
 
     /// Whether the picture is the same.
@@ -145,7 +157,9 @@ impl Maker {
             .map(|(id, document, frame)| Ok((*id, self.drawn(document, *frame, &spec.crystal)?)))
             .collect();
         let drawn = drawn?;
-        let items: Vec<Item<'_>> = drawn.iter().map(|(_, drawn)| Item::drawn(drawn, spec.cell_box)).collect();
+        let items: Vec<Item<'_>> = (drawn.iter().zip(&spec.files))
+            .map(|((_, drawn), &file)| Item { file: Some(file), ..Item::drawn(drawn, spec.cell_box) })
+            .collect();
         let scene = Scene::new(&items, &spec.scene);
         let picker = Arc::new(Picker::new(&scene));
         Ok(Built { spec: spec.posed(&scene), scene: Arc::new(scene), picker, drawn })

@@ -5,8 +5,10 @@ use super::action::Action;
 use super::loader::SAMPLES;
 use super::mouse::Preset;
 use super::preferences::Theme;
+use super::selecting::{Deed, How};
 use super::state::State;
 use crate::bonds::BondMode;
+use crate::color::Srgb8;
 use crate::crystal::CellChoice;
 use crate::render::Quality;
 use crate::scene::{Aromatic, Background, ColorBy, LabelContent, Look, Style};
@@ -42,6 +44,7 @@ impl Shortcut {
             Key::Escape => "Esc",
             Key::Comma => ",",
             Key::Period => ".",
+            Key::Slash => "/",
             other => other.name(),
         };
         text.push_str(name);
@@ -116,7 +119,7 @@ impl Table<'_> {
 
 /// All commands, with what is on now.
 pub(super) fn commands(state: &State) -> Vec<Command> {
-    let mut commands = Vec::with_capacity(110);
+    let mut commands = Vec::with_capacity(150);
     file(Table { group: GROUPS[0], commands: &mut commands });
     view(Table { group: GROUPS[1], commands: &mut commands }, state);
     look(Table { group: GROUPS[2], commands: &mut commands }, state);
@@ -204,6 +207,7 @@ fn molecule(mut table: Table<'_>, state: &State) {
     let (scene, crystal) = (&state.work.scene, &state.work.crystal);
     table.switch("Hydrogens", &[plain(Key::H)], scene.hydrogens, Action::Hydrogens);
     table.switch("Water", &[plain(Key::W)], scene.water, Action::Water);
+    table.switch("Ions", &[shift(Key::W)], scene.ions, Action::Ions);
     table.switch("Hydrogen bonds", &[shift(Key::H)], crystal.bonds.hydrogen_bonds, Action::HydrogenBonds);
     for aromatic in Aromatic::ALL {
         let title = format!("Aromatic bonds: {}", aromatic.name());
@@ -230,7 +234,31 @@ fn selection(mut table: Table<'_>, state: &State) {
     table.add("Pick all", &[ctrl(Key::A)], Action::PickAll);
     table.add("Pick nothing", &[shift(Key::A)], Action::PickNone);
     table.add("Pick the residue, the chain, all", &[plain(Key::E)], Action::PickMore);
+    let choose = Action::Choose;
+    table.add("Select by words", &[ctrl(Key::F), plain(Key::Slash)], choose(How::Write));
+    table.add("Select what is not selected", &[ctrl(Key::I)], choose(How::Invert));
+    table.add("Select what has bonds to it as well", &[shift(Key::E)], choose(How::Grow));
+    for words in ["protein", "nucleic", "ligand", "water", "ion", "metal", "hydrogen", "backbone", "sidechain"] {
+        table.add(format!("Select: {words}"), &[], choose(How::Words(words.to_owned())));
+    }
+    let deed = Action::OnPicked;
+    table.add("Hide what is selected", &[plain(Key::X)], deed(Deed::Hide));
+    table.add("Show only what is selected", &[shift(Key::X)], deed(Deed::ShowOnly));
+    table.add("Show everything again", &[plain(Key::V)], deed(Deed::ShowAll));
+    table.add("Label what is selected", &[shift(Key::L)], deed(Deed::Label));
+    for style in Style::ALL {
+        table.add(format!("Selected atoms: {}", style.name()), &[], deed(Deed::Style(style)));
+    }
+    for name in COLORS {
+        if let Some(color) = Srgb8::parse(name) {
+            table.add(format!("Selected atoms: {name}"), &[], deed(Deed::Color(color)));
+        }
+    }
+    table.add("Take back all that selections say", &[], deed(Deed::ForgetAll));
 }
+
+/// Colours that the palette has for what is selected.
+const COLORS: [&str; 9] = ["red", "orange", "gold", "green", "turquoise", "steelblue", "purple", "white", "grey"];
 
 fn frames(mut table: Table<'_>, state: &State) {
     table.switch("Play", &[plain(Key::Space)], state.playing.on, Action::Play);

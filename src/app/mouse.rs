@@ -37,11 +37,13 @@ impl Preset {
     /// What dragging with a button does.
     pub(super) fn drag(self, button: Button, shift: bool, ctrl: bool) -> Drag {
         match (self, button) {
+            (Preset::Ballstick | Preset::Pymol, Button::Left) if ctrl && shift => Drag::Roll,
+            (Preset::Ballstick | Preset::Pymol, Button::Left) if shift => Drag::Select,
             (Preset::Ballstick, Button::Left) if ctrl => Drag::Pan,
-            (Preset::Ballstick, Button::Left) if shift => Drag::Roll,
+            // ChimeraX rolls at the edge of its window, where others turn: here with Ctrl.
+            (Preset::Chimerax, Button::Right) if ctrl => Drag::Roll,
+            (Preset::Chimerax, Button::Left) if ctrl => Drag::Select,
             (Preset::Chimerax, Button::Left) if shift => Drag::Pan,
-            (Preset::Chimerax, Button::Left) if ctrl => Drag::Roll,
-            (Preset::Pymol, Button::Left) if shift => Drag::Roll,
             (_, Button::Left) => Drag::Orbit,
             (Preset::Pymol, Button::Right) => Drag::Zoom,
             (_, Button::Middle | Button::Right) => Drag::Pan,
@@ -62,7 +64,8 @@ impl Preset {
             Preset::Ballstick => &[
                 ("Left drag", "turn"),
                 ("Right or middle drag, Ctrl + left drag", "move"),
-                ("Shift + left drag", "roll"),
+                ("Ctrl + Shift + left drag", "roll"),
+                ("Shift + left drag", "select in a rectangle"),
                 ("Wheel, pinch", "zoom to the pointer"),
                 ("Click", "pick an atom"),
                 ("Shift or Ctrl + click", "pick more atoms"),
@@ -72,7 +75,8 @@ impl Preset {
                 ("Left drag", "turn"),
                 ("Middle drag", "move"),
                 ("Right drag", "zoom"),
-                ("Shift + left drag", "roll"),
+                ("Ctrl + Shift + left drag", "roll"),
+                ("Shift + left drag", "select in a rectangle"),
                 ("Wheel, pinch", "zoom to the pointer"),
                 ("Click", "pick an atom"),
                 ("Shift or Ctrl + click", "pick more atoms"),
@@ -81,7 +85,9 @@ impl Preset {
             Preset::Chimerax => &[
                 ("Left drag", "turn"),
                 ("Right or middle drag, Shift + left drag", "move"),
-                ("Ctrl + left drag", "roll"),
+                ("Ctrl + right drag", "roll"),
+                ("Ctrl + left drag", "select in a rectangle"),
+                ("Ctrl + Shift + left drag", "the same, beside what is selected"),
                 ("Wheel, pinch", "zoom to the pointer"),
                 ("Ctrl + click", "pick an atom"),
                 ("Ctrl + Shift + click", "pick more atoms"),
@@ -107,6 +113,9 @@ mod tests {
             [Drag::Pan, Drag::Zoom, Drag::Pan]
         );
         assert_eq!(Chimerax.drag(Left, true, false), Drag::Pan);
+        assert_eq!(Preset::ALL.map(|preset| preset.drag(Left, true, true)), [Drag::Roll, Drag::Roll, Drag::Select]);
+        assert_eq!([Ballstick, Pymol].map(|preset| preset.drag(Left, true, false)), [Drag::Select; 2]);
+        assert_eq!(Chimerax.drag(Right, false, true), Drag::Roll);
         assert_eq!([Ballstick.click(false, false), Ballstick.click(true, false)], [Some(false), Some(true)]);
         assert_eq!([Chimerax.click(false, false), Chimerax.click(false, true)], [None, Some(false)]);
     }

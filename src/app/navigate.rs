@@ -14,12 +14,14 @@ pub(super) enum Drag {
     Zoom,
     /// Turns about the line of sight.
     Roll,
+    /// Draws a rectangle about what is to be selected.
+    Select,
 }
 
 /// A drag across the shorter side of the window turns by half a turn.
 const TURN_PER_SIDE_RAD: f32 = std::f32::consts::PI;
 /// One notch of the wheel brings the pointer's place nearer by this factor.
-const ZOOM_PER_NOTCH: f32 = 1.15;
+pub(super) const ZOOM_PER_NOTCH: f32 = 1.15;
 
 /// Turns the camera about its target. With a ground it stays upright (turntable) and above it; without, it turns freely.
 pub(super) fn orbit(camera: &mut Camera, dx_px: f32, dy_px: f32, shorter_side_px: f32, upright: bool) {

@@ -2,9 +2,10 @@
 
 use super::state::State;
 use super::work::AtomKey;
+use crate::bonds;
 use crate::crystal::Drawn;
 use crate::scene::{AtomPlace, measured};
-use crate::structure::{Bond, BondKind, BondOrder, Structure};
+use crate::structure::{Bond, Structure};
 use glam::{DVec3, Vec3};
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -86,7 +87,8 @@ pub(super) fn toggle(state: &mut State, key: AtomKey) {
     }
 }
 
-fn keys(state: &State, mut of: impl FnMut(u32, &Structure, usize) -> bool) -> Vec<AtomKey> {
+/// The atoms that are drawn and of which something holds.
+pub(super) fn keys(state: &State, mut of: impl FnMut(u32, &Structure, usize) -> bool) -> Vec<AtomKey> {
     let mut keys = Vec::new();
     for (layer, drawn) in &state.built.drawn {
         let atoms = (0..drawn.structure.atom_count()).filter(|&atom| of(*layer, &drawn.structure, atom));
@@ -162,41 +164,6 @@ pub(super) fn short_name(structure: &Structure, atom: usize) -> String {
     }
 }
 
-fn order_name(bond: &Bond) -> &'static str {
-    match (bond.kind, bond.aromatic, bond.order) {
-        (BondKind::Covalent, true, _) => "aromatic",
-        (BondKind::Covalent, false, BondOrder::Single) => "single",
-        (BondKind::Covalent, false, BondOrder::Double) => "double",
-        (BondKind::Covalent, false, BondOrder::Triple) => "triple",
-        (BondKind::Covalent, false, BondOrder::Quadruple) => "quadruple",
-        (BondKind::Covalent, false, BondOrder::Unknown) => "of unknown order",
-        (BondKind::Coordination, ..) => "coordination",
-        (BondKind::Dative, ..) => "dative",
-        (BondKind::Hydrogen, ..) => "hydrogen bond",
-    }
-}
-
-fn source_name(bond: &Bond) -> &'static str {
-    use crate::structure::BondSource;
-    match bond.source {
-        BondSource::File => "from the file",
-        BondSource::Link => "a link of the file",
-        BondSource::Dictionary => "from the dictionary",
-        BondSource::Distance => "by distance",
-    }
-}
-
-/// Length of a bond, its image where it goes to one.
-fn bond_length(structure: &Structure, bond: &Bond) -> f64 {
-    let [a, b] = [bond.a, bond.b].map(|atom| structure.positions().get(atom as usize));
-    let shift = structure.cell().map_or(DVec3::ZERO, |cell| {
-        let [x, y, z] = cell.vectors();
-        let [i, j, k] = bond.image.map(f64::from);
-        x * i + y * j + z * k
-    });
-    a.distance(b + shift)
-}
-
 /// Bonds of an atom that are told; a metal in a lattice has more than fit a tooltip.
 const MOST_BONDS: usize = 8;
 
@@ -244,8 +211,11 @@ pub(super) fn about_atom(drawn: &Drawn, atom: usize) -> (String, Vec<(String, St
     for bond in own.iter().take(MOST_BONDS) {
         let other = if bond.a == index { bond.b } else { bond.a } as usize;
         let partner = short_name(structure, other);
-        let length = bond_length(structure, bond);
-        fact("Bond", format!("{partner}: {length:.3} Å, {}, {}", order_name(bond), source_name(bond)));
+        let length = bonds::length(structure, bond);
+        fact(
+            "Bond",
+            format!("{partner}: {length:.3} Å, {}, {}", bonds::order_in_words(bond), bonds::source_in_words(bond)),
+        );
     }
     if own.len() > MOST_BONDS {
         fact("", format!("and {} more bonds", own.len() - MOST_BONDS));
@@ -259,9 +229,9 @@ pub(super) fn about_bond(drawn: &Drawn, bond: usize) -> Option<(String, Vec<(Str
     let bond = structure.bonds().get(bond)?;
     let [a, b] = [bond.a, bond.b].map(|atom| short_name(structure, atom as usize));
     let facts = vec![
-        ("Length".to_owned(), format!("{:.3} Å", bond_length(structure, bond))),
-        ("Order".to_owned(), order_name(bond).to_owned()),
-        ("Known".to_owned(), source_name(bond).to_owned()),
+        ("Length".to_owned(), format!("{:.3} Å", bonds::length(structure, bond))),
+        ("Order".to_owned(), bonds::order_in_words(bond).to_owned()),
+        ("Known".to_owned(), bonds::source_in_words(bond).to_owned()),
     ];
     Some((format!("{a} – {b}"), facts))
 }

@@ -164,6 +164,7 @@ fn finish(state: &mut State) {
     let measurement = |atoms: &Vec<Atom>| atoms.iter().map(key).collect::<Option<Vec<_>>>();
     let work = Work {
         picked: Arc::new(session.picked.iter().filter_map(key).collect()),
+        picked_by: None,
         measurements: session.measurements.iter().filter_map(measurement).collect(),
         scene: crate::scene::SceneOptions { overlay: before.scene.overlay.clone(), ..settings.scene },
         crystal: settings.crystal,

@@ -44,6 +44,8 @@ pub(super) struct Shown {
     pub(super) picture: Option<pictures::Dialog>,
     /// The path to save a session to, as it is being typed.
     pub(super) session: Option<String>,
+    /// Whether a selection is about to be written.
+    pub(super) write_selection: bool,
     /// The path to open, as it is being typed, where the system has no dialog.
     pub(super) open: Option<String>,
 }
@@ -103,6 +105,7 @@ impl State {
             cell_box: options.cell_box,
             quality: options.quality,
             picked: Arc::default(),
+            picked_by: None,
             measurements: Vec::new(),
             camera: crate::scene::Scene::from_blocks(Vec::new(), Vec::new()).fitted_camera(1.5),
             fitted: true,
@@ -302,6 +305,12 @@ impl State {
         self.touch();
         // Light may have changed while it was made.
         let built = built.relit(Spec::of(&self.work).with_primitives_of(&built.spec));
+        // Of other frames it may not be so; that was asked for.
+        if built.spec.selects_anew(&self.built.spec) {
+            for flag in &built.scene.unmatched {
+                self.complain(format!("{flag}: there is no such atom."));
+            }
+        }
         self.work.scene.pose = if built.drawn.is_empty() { None } else { Some(built.scene.pose) };
         self.built = Arc::new(built);
         picking::keep_what_is_there(self);

@@ -4,6 +4,7 @@ use crate::crystal::CrystalOptions;
 use crate::import::Document;
 use crate::render::Quality;
 use crate::scene::{AtomPlace, Camera, Measurement, SceneOptions};
+use crate::select::Selection;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -70,6 +71,8 @@ pub(super) struct Work {
     pub(super) quality: Quality,
     /// In the order in which they were picked.
     pub(super) picked: Arc<Vec<AtomKey>>,
+    /// The words that a list of atoms was picked by; of no meaning once another list is.
+    pub(super) picked_by: Option<(Arc<Vec<AtomKey>>, Selection)>,
     pub(super) measurements: Vec<Vec<AtomKey>>,
     pub(super) camera: Camera,
     /// Whether the view is still the fitted one: then it follows the window's shape.

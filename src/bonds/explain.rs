@@ -7,7 +7,7 @@ use super::sites::{Role, Sites};
 use super::{BondMode, BondOptions, find_all, hbonds, links};
 use crate::element::Element;
 use crate::structure::{Bond, BondKind, BondOrder, BondSource, Cell, StatedBonds, Structure, atom_flags};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
 /// A bond and why it is one.
@@ -60,14 +60,57 @@ pub fn explain(structure: &Structure, frame: usize, options: &BondOptions) -> Ve
     bonds.iter().map(explained).collect()
 }
 
+/// Length of a bond in the first frame, in ångström; to its image where it goes to one.
+#[must_use]
+pub fn length(structure: &Structure, bond: &Bond) -> f64 {
+    let [a, b] = [bond.a, bond.b].map(|atom| structure.positions().get(atom as usize));
+    (b + image_shift(structure.cell(), bond)).distance(a)
+}
+
+/// How far the image of the second atom is from itself.
+fn image_shift(cell: Option<&Cell>, bond: &Bond) -> DVec3 {
+    let [a, b, c] = cell.filter(|_| bond.is_periodic()).map_or([DVec3::ZERO; 3], Cell::vectors);
+    let [i, j, k] = bond.image.map(f64::from);
+    a * i + b * j + c * k
+}
+
+/// What kind of bond it is and of which order, for a sentence: `single`, `aromatic`, `hydrogen bond`.
+#[must_use]
+pub fn order_in_words(bond: &Bond) -> &'static str {
+    match (bond.kind, bond.aromatic, bond.order) {
+        (BondKind::Covalent, true, _) => "aromatic",
+        (BondKind::Covalent, false, BondOrder::Unknown) => "of unknown order",
+        (BondKind::Covalent, false, order) => order_name(order),
+        (BondKind::Coordination, ..) => "coordination",
+        (BondKind::Dative, ..) => "dative",
+        (BondKind::Hydrogen, ..) => "hydrogen bond",
+    }
+}
+
+fn order_name(order: BondOrder) -> &'static str {
+    match order {
+        BondOrder::Unknown => "none",
+        BondOrder::Single => "single",
+        BondOrder::Double => "double",
+        BondOrder::Triple => "triple",
+        BondOrder::Quadruple => "quadruple",
+    }
+}
+
+/// Who says that there is a bond, for a sentence.
+#[must_use]
+pub fn source_in_words(bond: &Bond) -> &'static str {
+    match bond.source {
+        BondSource::File => "from the file",
+        BondSource::Link => "a link of the file",
+        BondSource::Dictionary => "from the dictionary",
+        BondSource::Distance => "by distance",
+    }
+}
+
 /// From one atom of a bond to the other, an image where the bond goes to one.
 fn way(positions: &[Vec3], cell: Option<&Cell>, bond: &Bond, from: u32) -> Vec3 {
-    let mut apart = positions[bond.b as usize] - positions[bond.a as usize];
-    if let Some(cell) = cell.filter(|_| bond.is_periodic()) {
-        for (vector, count) in cell.vectors().into_iter().zip(bond.image) {
-            apart += (vector * f64::from(count)).as_vec3();
-        }
-    }
+    let apart = positions[bond.b as usize] - positions[bond.a as usize] + image_shift(cell, bond).as_vec3();
     if from == bond.a { apart } else { -apart }
 }
 
@@ -204,11 +247,7 @@ impl Explained {
             (true, BondOrder::Double) => "aromatic double",
             (true, BondOrder::Single) => "aromatic single",
             (true, _) => "aromatic",
-            (false, BondOrder::Unknown) => "none",
-            (false, BondOrder::Single) => "single",
-            (false, BondOrder::Double) => "double",
-            (false, BondOrder::Triple) => "triple",
-            (false, BondOrder::Quadruple) => "quadruple",
+            (false, order) => order_name(order),
         }
     }
 }

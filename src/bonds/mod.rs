@@ -51,9 +51,10 @@ mod valence;
 #[cfg(test)]
 mod tests;
 
-pub use explain::{Explained, NotBonded, explain, not_bonded};
+pub use explain::{Explained, NotBonded, explain, length, not_bonded, order_in_words, source_in_words};
 pub use orders::aromatic_rings;
 pub(crate) use orders::small_rings;
+pub(crate) use residues::{atoms_of as residue_atoms, standard_name};
 pub use sites::waters;
 
 use crate::structure::{Bond, BondKind, BondOrder, BondSource, StatedBonds, Structure, apply_symmetry};

@@ -1,5 +1,6 @@
 //! The command line, as it is typed. Nothing here acts; names and defaults are what others script against.
 
+use super::atoms::{AtomArgs, ShowArgs};
 use super::size::{Crop, PictureSize};
 use super::values::{
     Altloc, Axis, Backdrop, Direction, MeasureArg, RecordChoice, Region, Supercell, blur, color, counted_from_1, fog,
@@ -70,15 +71,15 @@ pub struct ViewArgs {
     pub renderer: RendererArgs,
 }
 
-/// `ballstick render`.
-#[derive(Debug, Clone, Args)]
-#[command(after_help = "\
+/// What stands below the flags of `render`.
+const AFTER_RENDER: &str = "\
 Examples:
   ballstick render caffeine.sdf -o caffeine.png
   ballstick render 1crn.pdb -o fig.png --size 3000x2000 --background transparent
   ballstick render 1crn.pdb -o fig.png --size 85mmx60mm --dpi 600 --crop auto
   ballstick render *.sdf -o pictures/            one picture each: pictures/NAME.png
   ballstick render *.sdf -o 'out/{stem}.webp'    the same with names of your own
+  ballstick render 1crn.pdb -o fig.png --hide water --style 'residue 10-20=space-filling'
   curl … | ballstick render - -o - > fig.png
 
 Channels (--channel) as 16-bit PNG, or as plain numbers in NPY (-o depth.npy):
@@ -94,7 +95,11 @@ Channels (--channel) as 16-bit PNG, or as plain numbers in NPY (-o depth.npy):
 
 Timings (--timings), one JSON object a picture: seconds for read, bonds, scene, render, encode
 and total; peak_memory in bytes (null where the system does not tell); atom_count, bond_count,
-renderer and output.")]
+renderer and output.";
+
+/// `ballstick render`.
+#[derive(Debug, Clone, Args)]
+#[command(after_help = AFTER_RENDER, after_long_help = format!("{AFTER_RENDER}\n\n{}", crate::select::help()))]
 pub struct RenderArgs {
     /// Molecule files; - is standard input
     #[arg(value_name = "FILE", required = true)]
@@ -155,9 +160,9 @@ pub struct RenderArgs {
 /// How things look.
 #[derive(Debug, Clone, Args)]
 pub struct LookArgs {
-    /// Representation
-    #[arg(long, value_name = "STYLE", default_value = "ball-and-stick", help_heading = "Look")]
-    pub style: StyleArg,
+    /// Atoms.
+    #[command(flatten)]
+    pub atoms: AtomArgs,
     /// What the colours of atoms say
     #[arg(long, value_name = "SCHEME", default_value = "element", help_heading = "Look")]
     pub color_by: ColorByArg,
@@ -217,6 +222,9 @@ pub struct LookArgs {
     /// Leave water molecules out
     #[arg(long, help_heading = "Molecule")]
     pub no_water: bool,
+    /// Leave ions out
+    #[arg(long, help_heading = "Molecule")]
+    pub no_ions: bool,
     /// Alternate locations drawn: highest (occupancy), all, or one letter such as B
     #[arg(long, value_name = "WHICH", default_value = "highest", help_heading = "Molecule")]
     pub altloc: Altloc,
@@ -390,6 +398,9 @@ pub struct ConvertArgs {
     /// Format of IN, where neither its content nor its name tells
     #[arg(long, value_name = "FORMAT")]
     pub from: Option<String>,
+    /// Atoms.
+    #[command(flatten)]
+    pub shown: ShowArgs,
     /// Bonds.
     #[command(flatten)]
     pub bonds: BondArgs,
@@ -626,6 +637,15 @@ mod tests {
             "--measure=2:1,2:2,1:3",
             "--no-hydrogens",
             "--no-water",
+            "--no-ions",
+            "--show=chain A",
+            "--show=ligand",
+            "--hide=within 5 of element Fe",
+            "--color=chain A=steelblue",
+            "--style=ligand=licorice",
+            "--label-only=backbone",
+            "--ball-scale=1.5",
+            "--stick-scale=0.5",
             "--overlay=a.obj",
             "--overlay=b.glb",
             "--overlay-opacity=0.5",
@@ -633,7 +653,7 @@ mod tests {
             "--overlay-color=steelblue",
         ];
         let args = render(&flags).unwrap();
-        assert_eq!((args.look.style.name(), args.look.has_ground()), ("space-filling".to_owned(), false));
+        assert_eq!((args.look.atoms.style().name(), args.look.has_ground()), ("space-filling".to_owned(), false));
         assert_eq!(args.look.text.label, [LabelArg::Element, LabelArg::Index, LabelArg::Residue]);
         assert_eq!(args.look.view, Some(Direction([-1.0, 0.0, 0.0])));
         assert_eq!(render(&["--axis", "-1,1,0"]).unwrap().look.axis, Some(Axis([-1, 1, 0])));
@@ -672,6 +692,10 @@ mod tests {
             &["--samples=5000"],
             &["--frame=0"],
             &["--style=cartoon"],
+            &["--show=chian A"],
+            &["--hide="],
+            &["--color=red"],
+            &["--ball-scale=0"],
             &["--label=element,colour"],
             &["--label-size=0"],
             &["--label-size=nan"],

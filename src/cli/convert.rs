@@ -7,6 +7,7 @@ use crate::error::Result;
 use crate::export::atomic;
 use crate::export::formats::StructureFormat;
 use crate::import::Format;
+use crate::select::Scope;
 use crate::structure::Structure;
 
 /// An error is one of usage.
@@ -40,8 +41,39 @@ fn convert(args: &ConvertArgs, from: Option<Format>, format: &StructureFormat, r
         let bonded = |(index, record)| if index < written { with_bonds(record, args.bonds) } else { record };
         records = records.into_iter().enumerate().map(bonded).collect();
     }
+    if !(args.shown.show.is_empty() && args.shown.hide.is_empty()) {
+        let mut has_found = vec![false; args.shown.show.len() + args.shown.hide.len()];
+        let mut chosen = |record: &Structure| match format.holds_bonds() {
+            true => record.subset(&wanted(record, args, &mut has_found)),
+            // Selections ask for bonds all the same.
+            false => record.subset(&wanted(&with_bonds(record.clone(), args.bonds), args, &mut has_found)),
+        };
+        records = records.iter().map(&mut chosen).collect();
+        let flags =
+            args.shown.show.iter().map(|one| ("show", one)).chain(args.shown.hide.iter().map(|one| ("hide", one)));
+        for ((flag, selection), _) in flags.zip(has_found).filter(|(_, has_found)| !has_found) {
+            report.warn(&args.input, &format!("--{flag} {selection}: there is no such atom"));
+        }
+    }
     for loss in format.losses(&records) {
         report.warn(&args.input, &loss);
     }
     atomic::write(&args.output, |out| (format.write)(&records, out))
+}
+
+/// Which atoms of a record are written; notes which selections find any.
+fn wanted(record: &Structure, args: &ConvertArgs, has_found: &mut [bool]) -> Vec<bool> {
+    let (shows, hides) = has_found.split_at_mut(args.shown.show.len());
+    let mut wanted = vec![args.shown.show.is_empty(); record.atom_count()];
+    for (selection, has_found) in args.shown.show.iter().zip(shows) {
+        let atoms = selection.atoms(Scope::of(record));
+        *has_found |= atoms.contains(&true);
+        wanted.iter_mut().zip(atoms).for_each(|(wanted, is)| *wanted |= is);
+    }
+    for (selection, has_found) in args.shown.hide.iter().zip(hides) {
+        let atoms = selection.atoms(Scope::of(record));
+        *has_found |= atoms.contains(&true);
+        wanted.iter_mut().zip(atoms).for_each(|(wanted, is)| *wanted &= !is);
+    }
+    wanted
 }

@@ -5,6 +5,7 @@
 //! that knows scenes and renderers.
 
 pub mod args;
+pub mod atoms;
 mod convert;
 mod devices;
 mod explain;

@@ -234,6 +234,9 @@ fn metadata(
 fn settings(args: &RenderArgs, size: Size, inputs: &[&PathBuf]) -> serde_json::Value {
     let RenderArgs { look, select, .. } = args;
     let text = |value: Option<&dyn std::fmt::Display>| value.map(ToString::to_string);
+    fn texts<T: std::fmt::Display>(all: &[T]) -> Vec<String> {
+        all.iter().map(T::to_string).collect()
+    }
     let inputs: Vec<_> = inputs.iter().map(|input| input.to_string_lossy()).collect();
     let labels: Vec<_> = look.text.label.iter().map(Named::name).collect();
     serde_json::json!({
@@ -245,7 +248,13 @@ fn settings(args: &RenderArgs, size: Size, inputs: &[&PathBuf]) -> serde_json::V
         "quality": args.quality.name(),
         "samples": args.samples,
         "channel": args.channel.name(),
-        "style": look.style.name(),
+        "style": look.atoms.style().name(),
+        "styles": look.atoms.styles().map(|(atoms, style)| format!("{atoms}={}", style.name())).collect::<Vec<_>>(),
+        "color": texts(&look.atoms.color),
+        "show": texts(&look.atoms.shown.show),
+        "hide": texts(&look.atoms.shown.hide),
+        "ball-scale": look.atoms.ball_scale,
+        "stick-scale": look.atoms.stick_scale,
         "color-by": look.color_by.name(),
         "background": look.backdrop().to_string(),
         "look": look.look.name(),
@@ -258,9 +267,10 @@ fn settings(args: &RenderArgs, size: Size, inputs: &[&PathBuf]) -> serde_json::V
         "ground": look.has_ground(),
         "projection": if look.is_perspective() { ProjectionArg::Perspective } else { ProjectionArg::Orthographic }.name(),
         "camera": text(look.camera.as_ref().map(|c| c as _)),
-        "measure": look.measure.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "measure": texts(&look.measure),
         "no-hydrogens": look.no_hydrogens,
         "no-water": look.no_water,
+        "no-ions": look.no_ions,
         "haptic": look.haptic,
         "cell": args.crystal.cell.name(),
         "supercell": args.crystal.supercell.to_string(),
@@ -277,6 +287,7 @@ fn settings(args: &RenderArgs, size: Size, inputs: &[&PathBuf]) -> serde_json::V
         "overlay-color": text(look.overlay_color.as_ref().map(|c| c as _)),
         "altloc": look.altloc.to_string(),
         "label": labels.join(","),
+        "label-only": texts(&look.atoms.label_only),
         "label-size": look.text.label_size,
         "legend": look.text.legend,
         "scale-bar": look.text.scale_bar,

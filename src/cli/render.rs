@@ -1,6 +1,7 @@
 //! From arguments to scene and renderer: the only module of the command line that knows them.
 
 use super::args::{LabelArg, LookArgs, Named, RenderArgs, RendererArgs, TextArgs};
+use super::atoms::style;
 use super::devices::{Adapter, Devices};
 use super::picture::{Draw, Pixels};
 use super::size::Size;
@@ -12,7 +13,7 @@ use crate::import;
 use crate::render::{Choice, Quality, Renderer, Selection, Settings, View, crop, select};
 use crate::scene::{
     AltlocChoice, Aromatic, AtomPlace, Background, ColorBy, DepthOfField, Item, LabelContent, LightFrame, Look,
-    Measurement, Orientation, OverlayOptions, Scene, SceneOptions, Style, VectorChoice, vector_scales,
+    Measurement, Orientation, OverlayOptions, Scene, SceneOptions, VectorChoice, vector_scales,
 };
 use crate::structure::Mesh;
 use glam::{DVec3, Vec3};
@@ -97,6 +98,7 @@ impl Draw for Drawer {
             None => scene.fitted_camera(size.width as f32 / size.height as f32),
         };
         check_measurements(&args.look, &scene)?;
+        self.notices.extend(scene.unmatched.iter().map(|flag| format!("{flag}: there is no such atom")));
         let view = View::new(camera, size.width, size.height);
         self.notes = vector_notes(&items, &options);
         self.missing = missing_labels(&args.look.text, drawn);
@@ -193,7 +195,7 @@ pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOpt
     let vectors = VectorChoice::from_name(&look.vectors);
     vectors.check(drawn.iter().map(|drawn| &drawn.structure))?;
     Ok(SceneOptions {
-        style: Style::from_name(&look.style.name()).unwrap_or_default(),
+        style: style(look.atoms.style()),
         color_by: ColorBy::from_name(&look.color_by.name()).unwrap_or_default(),
         altloc: match look.altloc {
             Altloc::Highest => AltlocChoice::Highest,
@@ -209,6 +211,10 @@ pub(super) fn scene_options(look: &LookArgs, drawn: &[Drawn]) -> Result<SceneOpt
         pose: look.camera.map(|viewpoint| viewpoint.pose),
         hydrogens: !look.no_hydrogens,
         water: !look.no_water,
+        ions: !look.no_ions,
+        by_selection: look.atoms.by_selection(),
+        ball_scale: look.atoms.ball_scale,
+        stick_scale: look.atoms.stick_scale,
         measurements: look.measure.iter().map(measurement).collect(),
         ground: look.has_ground(),
         background: look.backdrop().0.map_or(Background::Transparent, Background::Color),
@@ -387,6 +393,7 @@ fn adapters() -> Vec<Adapter> {
 mod tests {
     use super::*;
     use crate::cli::args::{AromaticArg, CellArg, ColorByArg, LookArg, QualityArg, RendererArg, StyleArg};
+    use crate::scene::Style;
     use crate::structure::{AtomRecord, Cell, Diagnostics, StructureBuilder};
     use clap::ValueEnum;
 

@@ -84,11 +84,12 @@ impl Rings {
     }
 }
 
-/// Finds them among the bonds that are drawn. `stick_radius` is that of a single bond, `tube_radius` that of the rings' tubes.
+/// Finds them among the bonds that are drawn. `radii` gives for the atoms of a ring that of a single bond's stick and that of the ring's
+/// tube; `None` where there are no sticks.
 pub(super) fn rings(
     structure: &Structure,
     colors: &[Srgb8],
-    [stick_radius, tube_radius]: [f32; 2],
+    radii: impl Fn(&[u32]) -> Option<[f32; 2]>,
     is_drawn: impl Fn(&Bond) -> bool,
     id_of_bond: impl Fn(u32) -> u32,
 ) -> Rings {
@@ -107,6 +108,7 @@ pub(super) fn rings(
         if !ATOMS.contains(&ring.atoms.len()) {
             continue;
         }
+        let Some([stick_radius, tube_radius]) = radii(&ring.atoms) else { continue };
         let points: Vec<Vec3> = ring.atoms.iter().map(|&atom| positions[atom as usize]).collect();
         let Some((center, axis)) = plane(&points) else { continue };
         let count = points.len();

@@ -1,31 +1,30 @@
 //! The balls and sticks of one structure: which atoms are drawn, how large, and what their bonds look like.
 
 use super::aromatic::{self, Aromatic};
+use super::chosen::Chosen;
 use super::dashes::{dashes, is_dashed};
 use super::haptic;
 use super::instances::{Cap, CylinderInstance, SphereInstance};
 use super::shapes::ConeInstance;
 use super::sticks::{self, StickContext};
+use super::style::Sizes;
 use super::wedges::{self, Wedge};
-use super::{AltlocChoice, Block, Item, SceneOptions, Style};
-use crate::bonds;
+use super::{Block, Item, SceneOptions, Style};
 use crate::color::Srgb8;
 use crate::crystal::Stub;
-use crate::element::Element;
-use crate::structure::{Bond, BondKind, BondOrder, ByAtom, Structure, atom_flags};
+use crate::structure::{Bond, BondKind, BondOrder, ByAtom, atom_flags};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::collections::HashMap;
 
-pub(super) fn build(item: &Item<'_>, options: &SceneOptions) -> Block {
+pub(super) fn build(item: &Item<'_>, options: &SceneOptions, chosen: &Chosen) -> Block {
     let structure = item.structure;
     let positions = structure.positions().relative();
     let atom_count = structure.atom_count();
-    let shown = shown_atoms(structure, options);
-    let is_shown = |atom: u32| shown.as_ref().is_none_or(|shown| shown[atom as usize]);
+    let is_shown = |atom: u32| chosen.is_shown(atom as usize);
     // Where nothing repeats in the picture, a bond to an image has no end.
     let is_drawn = |bond: &Bond| !bond.is_periodic() && is_shown(bond.a) && is_shown(bond.b);
-    let colors = options.color_by.colors(structure);
+    let colors = &chosen.colors;
+    let sizes = Sizes { ball: options.ball_scale, stick: options.stick_scale };
     let neighbours = sticks::neighbours(atom_count, structure.bonds(), is_drawn);
     let stubs: Vec<&Stub> = item.stubs.iter().filter(|stub| is_drawn(&stub.bond)).collect();
     let mut has_stub = vec![false; if stubs.is_empty() { 0 } else { atom_count }];
@@ -34,7 +33,7 @@ pub(super) fn build(item: &Item<'_>, options: &SceneOptions) -> Block {
     }
     let radius_of = |atom: u32| {
         let bonded = !neighbours.of(atom as usize).is_empty() || has_stub.get(atom as usize).is_some_and(|&has| has);
-        let radius = options.style.atom_radius(structure.elements()[atom as usize], bonded);
+        let radius = sizes.ball(chosen.style(atom as usize), structure.elements()[atom as usize], bonded);
         // Lone pairs and the like are drawn small, whatever the style.
         if structure.flags(atom as usize) & atom_flags::PARTICLE == 0 { radius } else { radius.min(0.12) }
     };
@@ -51,10 +50,11 @@ pub(super) fn build(item: &Item<'_>, options: &SceneOptions) -> Block {
         })
         .collect();
     let artist = Artist {
-        style: options.style,
+        chosen,
+        sizes,
         aromatic: options.aromatic,
         positions,
-        colors: &colors,
+        colors,
         neighbours: &neighbours,
         ball_radius: &radius_of,
         lattice: item.lattice,
@@ -63,13 +63,16 @@ pub(super) fn build(item: &Item<'_>, options: &SceneOptions) -> Block {
     let in_group: std::collections::HashSet<u32> =
         groups.iter().flat_map(|group| group.bonds.iter().copied()).collect();
     let id_of_bond = |index: u32| last.saturating_add(index).saturating_add(1);
-    let rings = match options.style.stick_radius(BondKind::Covalent) {
-        Some(stick) if options.aromatic == Aromatic::Ring => {
+    let rings = if options.aromatic == Aromatic::Ring {
+        let radii = |atoms: &[u32]| {
+            let style = atoms.iter().map(|&atom| chosen.style(atom as usize)).reduce(Style::thinner)?;
+            let stick = sizes.stick(style, BondKind::Covalent)?;
             // Half of a stick of a double bond.
-            let tube = 0.3 * stick.min(options.style.multiple_radius());
-            aromatic::rings(structure, &colors, [stick, tube], is_drawn, id_of_bond)
-        }
-        _ => aromatic::Rings::default(),
+            Some([stick, 0.3 * stick.min(sizes.multiple(style))])
+        };
+        aromatic::rings(structure, colors, radii, is_drawn, id_of_bond)
+    } else {
+        aromatic::Rings::default()
     };
     let mut wedges = wedges::wedges(structure);
     wedges.retain(|&index, _| {
@@ -106,7 +109,8 @@ pub(super) fn build(item: &Item<'_>, options: &SceneOptions) -> Block {
 
 /// Draws bonds.
 struct Artist<'a> {
-    style: Style,
+    chosen: &'a Chosen,
+    sizes: Sizes,
     aromatic: Aromatic,
     positions: &'a [Vec3],
     colors: &'a [Srgb8],
@@ -117,6 +121,12 @@ struct Artist<'a> {
 }
 
 impl Artist<'_> {
+    /// The style of a bond: of its atoms' the one with the thinner sticks, so that what is drawn boldly ends with its own atoms, and
+    /// the thin end is hidden in the thick one.
+    fn style(&self, a: u32, b: u32) -> Style {
+        self.chosen.style(a as usize).thinner(self.chosen.style(b as usize))
+    }
+
     /// `has_ring` says that a ring shows that the bond is aromatic.
     fn bond(&self, bond: &Bond, has_ring: bool, id: u32, push: impl FnMut(CylinderInstance)) {
         self.between(&self.aromatic.as_drawn(bond, has_ring), self.positions[bond.b as usize], id, push);
@@ -131,10 +141,11 @@ impl Artist<'_> {
         cones: &mut Vec<ConeInstance>,
         cylinders: &mut Vec<CylinderInstance>,
     ) {
-        let Some(radius) = self.style.stick_radius(BondKind::Covalent) else { return };
+        let style = self.style(bond.a, bond.b);
+        let Some(radius) = self.sizes.stick(style, BondKind::Covalent) else { return };
         let (narrow, wide) = if wedge.from == bond.b { (bond.b, bond.a) } else { (bond.a, bond.b) };
         let [from, to] = [narrow, wide].map(|atom| self.positions[atom as usize]);
-        let wide_radius = wedges::wide_radius(self.style, radius);
+        let wide_radius = wedges::wide_radius(style, radius);
         let length = from.distance(to);
         // As far as the balls hide the ends; no more than leaves something between them.
         let hidden = |atom: u32, own: f32| {
@@ -166,7 +177,8 @@ impl Artist<'_> {
     fn between(&self, bond: &Bond, end: Vec3, id: u32, push: impl FnMut(CylinderInstance)) {
         let is_solid = !self.is_dashes(bond);
         let kind = if is_solid { BondKind::Covalent } else { bond.kind };
-        let Some(stick_radius) = self.style.stick_radius(kind) else { return };
+        let style = self.style(bond.a, bond.b);
+        let Some(stick_radius) = self.sizes.stick(style, kind) else { return };
         let template = CylinderInstance {
             id,
             radius: stick_radius,
@@ -183,8 +195,9 @@ impl Artist<'_> {
             neighbours: self.neighbours,
             ball_radius: self.ball_radius,
             stick_radius,
-            multiple_radius: stick_radius.min(self.style.multiple_radius()),
-            round_ends: self.style != Style::BallAndStick,
+            multiple_radius: stick_radius.min(self.sizes.multiple(style)),
+            // Sticks that are scaled may be thicker than the balls.
+            round_ends: style != Style::BallAndStick || self.sizes != Sizes::USUAL,
         };
         context.sticks(bond, end, template, push);
     }
@@ -255,7 +268,7 @@ impl Artist<'_> {
         id: u32,
         mut push: impl FnMut(CylinderInstance),
     ) {
-        let Some(radius) = self.style.stick_radius(bond.kind) else { return };
+        let Some(radius) = self.sizes.stick(self.style(bond.a, bond.b), bond.kind) else { return };
         let [near, far] = [bond.a, bond.b].map(|atom| self.colors[atom as usize]);
         let template = CylinderInstance { id, radius, color_a: near, color_b: near, ..bytemuck::Zeroable::zeroed() };
         self.dashed(start, bond.a, start + along * face, None, template, |dash| {
@@ -267,7 +280,8 @@ impl Artist<'_> {
 
     /// One row of dashes from a metal to the middle of what it holds.
     fn haptic(&self, group: &haptic::Group, id: u32, push: impl FnMut(CylinderInstance)) {
-        let Some(radius) = self.style.stick_radius(BondKind::Coordination) else { return };
+        let style = self.style(group.metal, group.atoms[0]);
+        let Some(radius) = self.sizes.stick(style, BondKind::Coordination) else { return };
         let template = CylinderInstance {
             id,
             radius,
@@ -279,110 +293,16 @@ impl Artist<'_> {
     }
 }
 
-/// Which atoms are drawn; `None` for all of them.
-fn shown_atoms(structure: &Structure, options: &SceneOptions) -> Option<Vec<bool>> {
-    let mut shown = chosen_altlocs(structure, options.altloc);
-    if !options.water {
-        let all = || vec![true; structure.atom_count()];
-        let waters = bonds::waters(structure);
-        shown.get_or_insert_with(all).iter_mut().zip(waters).for_each(|(shown, water)| *shown &= !water);
-    }
-    if !options.hydrogens {
-        let all = || vec![true; structure.atom_count()];
-        let elements = structure.elements();
-        shown.get_or_insert_with(all).iter_mut().zip(elements).for_each(|(shown, &e)| *shown &= e != Element::H);
-    }
-    shown
-}
-
-/// Whether each atom is of the chosen alternate location; `None` if all are.
-fn chosen_altlocs(structure: &Structure, choice: AltlocChoice) -> Option<Vec<bool>> {
-    if choice == AltlocChoice::All || !structure.has_altlocs() {
-        return None;
-    }
-    // One alternate a residue position: mixing them atom by atom would join halves of different conformers.
-    let site = |atom: usize| {
-        structure.residue_index(atom).map(|index| {
-            let residue = structure.residues()[index];
-            (residue.chain, residue.number, residue.insertion_code)
-        })
-    };
-    let mut occupancy: HashMap<_, Vec<(u8, f64)>> = HashMap::new();
-    for atom in (0..structure.atom_count()).filter(|&atom| structure.altloc(atom) != b' ') {
-        let codes = occupancy.entry(site(atom)).or_default();
-        let code = structure.altloc(atom);
-        let weight = f64::from(structure.occupancy(atom));
-        match codes.iter_mut().find(|(other, _)| *other == code) {
-            Some((_, sum)) => *sum += weight,
-            None => codes.push((code, weight)),
-        }
-    }
-    let chosen: HashMap<_, u8> = occupancy
-        .into_iter()
-        .map(|(site, mut codes)| {
-            codes.sort_by(|(code_a, sum_a), (code_b, sum_b)| sum_b.total_cmp(sum_a).then(code_a.cmp(code_b)));
-            let wanted = codes.iter().map(|&(code, _)| code).find(|&code| choice == AltlocChoice::Code(code));
-            (site, wanted.unwrap_or(codes[0].0))
-        })
-        .collect();
-    let shown =
-        |atom: usize| structure.altloc(atom) == b' ' || chosen.get(&site(atom)) == Some(&structure.altloc(atom));
-    Some((0..structure.atom_count()).map(shown).collect())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::structure::{AtomRecord, BondOrder, BondSource, Diagnostics, StructureBuilder};
+    use crate::element::Element;
+    use crate::structure::{AtomRecord, BondOrder, BondSource, Diagnostics, Structure, StructureBuilder};
     use glam::DVec3;
 
-    fn altloc_structure() -> Structure {
-        let mut builder = StructureBuilder::new();
-        let residue = Some(("A", 7, b' ', "SER"));
-        for (name, altloc, occupancy) in
-            [("CA", b' ', 1.0), ("CB", b'A', 0.4), ("CB", b'B', 0.6), ("OG", b'A', 0.4), ("OG", b'B', 0.6)]
-        {
-            builder.push_atom(&AtomRecord {
-                element: Element::C,
-                name,
-                altloc,
-                occupancy,
-                residue,
-                ..AtomRecord::default()
-            });
-        }
-        builder.build(&mut Diagnostics::default())
-    }
-
-    #[test]
-    fn one_alternate_location_is_drawn() {
-        let structure = altloc_structure();
-        let options = |altloc| SceneOptions { altloc, ..SceneOptions::default() };
-        let shown = |altloc| shown_atoms(&structure, &options(altloc)).unwrap();
-        assert_eq!(shown(AltlocChoice::Highest), [true, false, true, false, true]);
-        assert_eq!(shown(AltlocChoice::Code(b'A')), [true, true, false, true, false]);
-        assert_eq!(shown(AltlocChoice::Code(b'Z')), [true, false, true, false, true]);
-        assert_eq!(shown_atoms(&structure, &options(AltlocChoice::All)), None);
-    }
-
-    #[test]
-    fn water_and_hydrogens_can_be_left_out() {
-        let text = b"8\n\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\nC 5 0 0\nH 6.09 0 0\nH 4.64 1.03 0\nH 4.64 -0.51 0.89\nH 4.64 -0.51 -0.89\n";
-        let document = crate::import::read_bytes(text, "a.xyz", &Default::default()).unwrap();
-        let structure = crate::bonds::assign(document.records[0].clone(), &Default::default());
-        let shown = |hydrogens, water| {
-            let options = SceneOptions { hydrogens, water, ..SceneOptions::default() };
-            let shown = shown_atoms(&structure, &options).unwrap();
-            (0..8).filter(|&atom| shown[atom]).collect::<Vec<_>>()
-        };
-        assert_eq!(shown(true, false), [3, 4, 5, 6, 7]);
-        assert_eq!(shown(false, true), [0, 3]);
-        assert_eq!(shown(false, false), [3]);
-        let peptide = b"\
-ATOM      1  CA  GLY A   1       0.000   0.000   0.000  1.00 10.00           C  \n\
-HETATM    2  O   HOH A   2       9.000   0.000   0.000  1.00 10.00           O  \n";
-        let document = crate::import::read_bytes(peptide, "a.pdb", &Default::default()).unwrap();
-        assert_eq!(crate::bonds::waters(&document.records[0]), [false, true]);
+    fn build(item: &Item<'_>, options: &SceneOptions) -> Block {
+        let (chosen, _) = crate::scene::chosen::choose(&[*item], options);
+        super::build(item, options, &chosen[0])
     }
 
     fn pair(kind: BondKind) -> Structure {

@@ -2,6 +2,7 @@
 
 use super::aromatic::Aromatic;
 use super::axes::{self, Axes};
+use super::chosen::{self, BySelection};
 use super::coloring::ColorBy;
 use super::light::{Background, DepthOfField, Ground, LightFrame, Lighting};
 use super::look::Look;
@@ -31,13 +32,15 @@ pub struct Item<'a> {
     pub listed: &'a [u32],
     /// The cell to be drawn around it, a corner at the file's origin.
     pub cell_box: Option<&'a Cell>,
+    /// The place of its file among all, from 1, for selections; `None` for its place among the items.
+    pub file: Option<u32>,
 }
 
 impl<'a> Item<'a> {
     /// A structure where its file puts it.
     #[must_use]
     pub fn of(structure: &'a Structure) -> Item<'a> {
-        Item { structure, offset: Vec3::ZERO, stubs: &[], lattice: &[], listed: &[], cell_box: None }
+        Item { structure, offset: Vec3::ZERO, stubs: &[], lattice: &[], listed: &[], cell_box: None, file: None }
     }
 
     /// What is drawn of a crystal; with its box if that is asked for, or, nothing being said, if cells are shown.
@@ -51,6 +54,7 @@ impl<'a> Item<'a> {
             lattice: &drawn.lattice,
             listed: &drawn.listed,
             cell_box: cell,
+            file: None,
         }
     }
 }
@@ -114,6 +118,14 @@ pub struct SceneOptions {
     pub hydrogens: bool,
     /// Whether water molecules are drawn. Default: true.
     pub water: bool,
+    /// Whether ions are drawn ([`crate::select::ions`]). Default: true.
+    pub ions: bool,
+    /// What selections show, hide, colour and so on. Default: nothing.
+    pub by_selection: BySelection,
+    /// How much larger than usual balls are. Default: 1.
+    pub ball_scale: f32,
+    /// How much thicker than usual sticks are. Default: 1.
+    pub stick_scale: f32,
     /// Distances, angles and dihedrals that are marked and labelled. Default: none.
     pub measurements: Vec<Measurement>,
     /// Whether the default camera is a perspective one. Default: true.
@@ -167,6 +179,10 @@ impl Default for SceneOptions {
             pose: None,
             hydrogens: true,
             water: true,
+            ions: true,
+            by_selection: BySelection::default(),
+            ball_scale: 1.0,
+            stick_scale: 1.0,
             measurements: Vec::new(),
             perspective: true,
             ground: true,
@@ -209,9 +225,10 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
     };
     let mut places = Vec::with_capacity(items.len());
     let scales = vectors::vector_scales(items, options);
-    for item in items {
+    let (chosen, unmatched) = chosen::choose(items, options);
+    for (item, chosen) in items.iter().zip(&chosen) {
         let shift = item.structure.positions().origin() - center + item.offset.as_dvec3();
-        let mut block = block::build(item, options);
+        let mut block = block::build(item, options, chosen);
         vectors::draw(&mut block, item.structure, options, &scales);
         places.push((item, place(block, shift)));
         if let Some(cell) = item.cell_box {
@@ -254,6 +271,7 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
         placement.world_from_block = Affine3A::from_quat(turn) * placement.world_from_block;
     }
     scene.pose = Pose { center, turn, pitch_rad: pitch };
+    scene.unmatched = unmatched;
     scene.items = places.iter().map(|&(_, at)| at).collect();
     scene.bounds = scene.find_bounds();
     if options.axes {
@@ -275,7 +293,7 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
     scene.depth_of_field = options.depth_of_field;
     scene.background = options.background;
     scene.set_ground(options.ground);
-    let mut overlay = overlay::build(&scene, &places, &options.text, options.color_by);
+    let mut overlay = overlay::build(&scene, &places, &chosen, options);
     // Before those of atoms: they were asked for one by one.
     overlay.labels.splice(0..0, marks.labels);
     scene.overlay = Arc::new(overlay);

@@ -10,6 +10,7 @@ mod block;
 mod build;
 mod camera;
 mod cell_box;
+mod chosen;
 mod coloring;
 mod dashes;
 pub mod fit;
@@ -32,6 +33,7 @@ pub use aromatic::Aromatic;
 pub use axes::Axes;
 pub use build::{AltlocChoice, Item, Orientation, Pose, SceneOptions};
 pub use camera::{Camera, PixelGrid, Projection, Ray, Region};
+pub use chosen::BySelection;
 pub use coloring::ColorBy;
 pub use instances::{Cap, CylinderInstance, SphereInstance};
 pub use light::{Background, DepthOfField, Ground, LightFrame, Lighting, Outline};
@@ -102,6 +104,8 @@ pub struct Scene {
     pub pose: Pose,
     /// Index into [`Scene::placements`] of every structure that the scene was built from.
     pub items: Vec<usize>,
+    /// The flags whose selections find no atom, such as `--hide chain Q`.
+    pub unmatched: Vec<String>,
     bounds: Aabb,
 }
 
@@ -139,6 +143,7 @@ impl Scene {
             axes: None,
             pose: Pose { center: DVec3::ZERO, turn: Quat::IDENTITY, pitch_rad: 0.0 },
             items: Vec::new(),
+            unmatched: Vec::new(),
             bounds: Aabb::EMPTY,
         };
         scene.bounds = scene.find_bounds();

@@ -80,5 +80,43 @@ impl Style {
     }
 }
 
+impl Style {
+    /// Of two styles the one with the thinner sticks; one without sticks only if both are.
+    pub(super) fn thinner(self, other: Style) -> Style {
+        let radius = |style: Style| style.stick_radius(BondKind::Covalent).unwrap_or(f32::INFINITY);
+        if radius(other) < radius(self) { other } else { self }
+    }
+}
+
+/// How much larger than usual balls and sticks are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Sizes {
+    pub(super) ball: f32,
+    pub(super) stick: f32,
+}
+
+impl Sizes {
+    pub(super) const USUAL: Sizes = Sizes { ball: 1.0, stick: 1.0 };
+
+    /// Radius of an atom in ångström. Where sticks meet without a ball, it is theirs.
+    pub(super) fn ball(self, style: Style, element: Element, bonded: bool) -> f32 {
+        let usual = style.atom_radius(element, bonded);
+        match style {
+            Style::Licorice | Style::Wireframe if bonded => usual * self.stick,
+            _ => usual * self.ball,
+        }
+    }
+
+    /// Radius of a single bond's stick in ångström.
+    pub(super) fn stick(self, style: Style, kind: BondKind) -> Option<f32> {
+        style.stick_radius(kind).map(|usual| usual * self.stick)
+    }
+
+    /// Radius that the sticks of multiple bonds are proportioned by, in ångström.
+    pub(super) fn multiple(self, style: Style) -> f32 {
+        style.multiple_radius() * self.stick
+    }
+}
+
 const LICORICE_RADIUS: f32 = 0.22;
 const WIRE_RADIUS: f32 = 0.035;

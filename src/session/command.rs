@@ -5,6 +5,7 @@ use crate::bonds::BondOptions;
 use crate::crystal::CrystalOptions;
 use crate::render::Quality;
 use crate::scene::SceneOptions;
+use crate::select::Selection;
 use std::borrow::Cow;
 
 impl Session {
@@ -34,6 +35,26 @@ impl Session {
         };
         let [a, b, c] = self.supercell;
         flag("style", &self.style, self.style == usual.style);
+        // Files are counted as they are named here.
+        let place = |file: u32| {
+            let is_shown = self.files.get(file.checked_sub(1)? as usize)?.visible;
+            let before = self.files.iter().take(file as usize - 1).filter(|file| file.visible).count();
+            is_shown.then(|| u32::try_from(before + 1).unwrap_or(u32::MAX))
+        };
+        let renumbered = |text: &str| match Selection::parse(text) {
+            Ok(selection) if self.files.iter().any(|file| !file.visible) => selection.with_files(place).to_string(),
+            _ => text.to_owned(),
+        };
+        for (name, all) in [("show", &self.show), ("hide", &self.hide), ("label-only", &self.label_only)] {
+            all.iter().for_each(|text| flag(name, &renumbered(text), false));
+        }
+        for (name, all) in [("style", &self.styles), ("color", &self.color)] {
+            for (atoms, value) in all.iter().filter_map(|text| text.rsplit_once('=')) {
+                flag(name, &format!("{}={value}", renumbered(atoms)), false);
+            }
+        }
+        flag("ball-scale", &self.ball_scale.to_string(), self.ball_scale == usual.ball_scale);
+        flag("stick-scale", &self.stick_scale.to_string(), self.stick_scale == usual.stick_scale);
         flag("color-by", &self.color_by, self.color_by == usual.color_by);
         flag("look", &self.look, self.look == usual.look);
         let number = |value: Option<f32>| value.map(|value| value.to_string()).unwrap_or_default();
@@ -61,23 +82,20 @@ impl Session {
         let same = shown.iter().all(|file| file.frame == frame);
         flag("frame", &frame.to_string(), frame == 1 || !same);
         for measurement in &self.measurements {
-            // Files are counted as they are named here.
-            let place = |&[file, atom]: &[u32; 2]| {
-                let before = self.files.iter().take(file.saturating_sub(1) as usize);
-                let number = 1 + before.filter(|file| file.visible).count();
-                if number == 1 { atom.to_string() } else { format!("{number}:{atom}") }
+            let atom = |&[file, atom]: &[u32; 2]| match place(file)? {
+                1 => Some(atom.to_string()),
+                number => Some(format!("{number}:{atom}")),
             };
-            let is_shown = |&[file, _]: &[u32; 2]| {
-                self.files.get(file.saturating_sub(1) as usize).is_some_and(|file| file.visible)
-            };
-            let atoms: Vec<String> = measurement.iter().map(place).collect();
-            flag("measure", &atoms.join(","), !measurement.iter().all(is_shown));
+            if let Some(atoms) = measurement.iter().map(atom).collect::<Option<Vec<String>>>() {
+                flag("measure", &atoms.join(","), false);
+            }
         }
         flag("camera", self.camera.as_deref().unwrap_or_default(), self.camera.is_none());
         let switches = [
             ("no-ground", !self.ground),
             ("no-hydrogens", !self.hydrogens),
             ("no-water", !self.water),
+            ("no-ions", !self.ions),
             ("haptic", self.haptic),
             ("axes", self.axes),
             ("legend", self.legend),

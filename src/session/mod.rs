@@ -14,9 +14,10 @@ use crate::error::{Error, Result};
 use crate::export::atomic;
 use crate::render::Quality;
 use crate::scene::{
-    AltlocChoice, Aromatic, Background, ColorBy, DepthOfField, LabelContent, LightFrame, Look, OverlayOptions,
-    SceneOptions, Style, VectorChoice, Viewpoint,
+    AltlocChoice, Aromatic, Background, BySelection, ColorBy, DepthOfField, LabelContent, LightFrame, Look,
+    OverlayOptions, SceneOptions, Style, VectorChoice, Viewpoint,
 };
+use crate::select::Selection;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -48,8 +49,26 @@ pub struct Session {
     pub files: Vec<File>,
     /// `--style`.
     pub style: String,
+    /// `--style` of selections: `ligand=licorice`.
+    #[serde(default)]
+    pub styles: Vec<String>,
     /// `--color-by`.
     pub color_by: String,
+    /// `--color`: `chain A=#4682b4`.
+    #[serde(default)]
+    pub color: Vec<String>,
+    /// `--show`.
+    #[serde(default)]
+    pub show: Vec<String>,
+    /// `--hide`.
+    #[serde(default)]
+    pub hide: Vec<String>,
+    /// `--ball-scale`.
+    #[serde(default = "one")]
+    pub ball_scale: f32,
+    /// `--stick-scale`.
+    #[serde(default = "one")]
+    pub stick_scale: f32,
     /// `--look`.
     pub look: String,
     /// `--light`.
@@ -84,6 +103,9 @@ pub struct Session {
     pub hydrogens: bool,
     /// `--no-water` if false.
     pub water: bool,
+    /// `--no-ions` if false.
+    #[serde(default = "shown")]
+    pub ions: bool,
     /// `--altloc`.
     pub altloc: String,
     /// `--aromatic`.
@@ -98,6 +120,9 @@ pub struct Session {
     pub axes: bool,
     /// `--label`.
     pub label: Vec<String>,
+    /// `--label-only`.
+    #[serde(default)]
+    pub label_only: Vec<String>,
     /// `--label-size`.
     pub label_size: f32,
     /// `--legend`.
@@ -128,6 +153,16 @@ const FOCUS: f32 = 0.3;
 /// What a session says of lights where it was saved before they could be chosen.
 fn camera() -> String {
     LightFrame::default().name().to_owned()
+}
+
+/// What a session says of sizes where it was saved before they could be chosen.
+fn one() -> f32 {
+    1.0
+}
+
+/// What a session says of ions where it was saved before they could be left out.
+fn shown() -> bool {
+    true
 }
 
 /// A part of the picture's height as flags have it, without the digits that rounding adds.
@@ -162,7 +197,18 @@ impl Session {
             ballstick_session: VERSION,
             files: Vec::new(),
             style: scene.style.name().to_owned(),
+            styles: scene
+                .by_selection
+                .styles
+                .iter()
+                .map(|(atoms, style)| format!("{atoms}={}", style.name()))
+                .collect(),
             color_by: scene.color_by.name().to_owned(),
+            color: scene.by_selection.colors.iter().map(|(atoms, color)| format!("{atoms}={color}")).collect(),
+            show: texts(&scene.by_selection.show),
+            hide: texts(&scene.by_selection.hide),
+            ball_scale: scene.ball_scale,
+            stick_scale: scene.stick_scale,
             look: scene.look.name().to_owned(),
             light: scene.light.name().to_owned(),
             fog: scene.fog,
@@ -180,6 +226,7 @@ impl Session {
             fitted: false,
             hydrogens: scene.hydrogens,
             water: scene.water,
+            ions: scene.ions,
             altloc: match scene.altloc {
                 AltlocChoice::Highest => "highest".to_owned(),
                 AltlocChoice::All => "all".to_owned(),
@@ -191,6 +238,7 @@ impl Session {
             vector_scale: scene.vector_scale,
             axes: scene.axes,
             label: named.into_iter().filter(|&(_, on)| on).map(|(name, _)| name.to_owned()).collect(),
+            label_only: texts(&scene.by_selection.labels),
             label_size: scene.text.size,
             legend: scene.text.legend,
             scale_bar: scene.text.scale_bar,
@@ -240,6 +288,10 @@ impl Session {
             ),
             None => None,
         };
+        let times = |field: &str, value: f32| match value {
+            value if (0.1..=10.0).contains(&value) => Ok(value),
+            value => Err(wrong(field, &value.to_string(), "a number from 0.1 to 10")),
+        };
         let scene = SceneOptions {
             style: named("style", &self.style, Style::from_name, &Style::ALL.map(Style::name))?,
             color_by: named("color_by", &self.color_by, ColorBy::from_name, &ColorBy::ALL.map(ColorBy::name))?,
@@ -252,6 +304,10 @@ impl Session {
             pose: viewpoint.map(|viewpoint| viewpoint.pose),
             hydrogens: self.hydrogens,
             water: self.water,
+            ions: self.ions,
+            by_selection: self.by_selection()?,
+            ball_scale: times("ball_scale", self.ball_scale)?,
+            stick_scale: times("stick_scale", self.stick_scale)?,
             perspective: match self.projection.as_str() {
                 PERSPECTIVE => true,
                 ORTHOGRAPHIC => false,
@@ -292,6 +348,38 @@ impl Session {
         };
         let quality = named("quality", &self.quality, Quality::from_name, &Quality::ALL.map(Quality::name))?;
         Ok(Settings { scene, crystal, cell_box: self.cell_box, quality, viewpoint })
+    }
+
+    fn by_selection(&self) -> Result<BySelection> {
+        let atoms = |field: &str, text: &str| {
+            Selection::parse(text).map_err(|error| Error::input(None, format!("session: {field}: {error}")))
+        };
+        let all = |field: &str, texts: &[String]| texts.iter().map(|text| atoms(field, text)).collect::<Result<_>>();
+        // The last = as in the flags.
+        let sides = |field: &str, text: &str| -> Result<(Selection, String)> {
+            match text.rsplit_once('=') {
+                Some((own, value)) => Ok((atoms(field, own)?, value.trim().to_owned())),
+                None => Err(wrong(field, text, "a selection, = and a value")),
+            }
+        };
+        let color = |text: &String| {
+            let (atoms, value) = sides("color", text)?;
+            match crate::color::Srgb8::parse(&value) {
+                Some(color) if color.a == 255 => Ok((atoms, color)),
+                _ => Err(wrong("color", &value, "#rrggbb, or a name of a colour")),
+            }
+        };
+        let style = |text: &String| {
+            let (atoms, value) = sides("styles", text)?;
+            Ok((atoms, named("styles", &value, Style::from_name, &Style::ALL.map(Style::name))?))
+        };
+        Ok(BySelection {
+            show: all("show", &self.show)?,
+            hide: all("hide", &self.hide)?,
+            colors: self.color.iter().map(color).collect::<Result<_>>()?,
+            styles: self.styles.iter().map(style).collect::<Result<_>>()?,
+            labels: all("label_only", &self.label_only)?,
+        })
     }
 
     fn labels(&self) -> Result<LabelContent> {
@@ -393,6 +481,10 @@ const NAME: &str = "\"ballstick_session\"";
 const TRANSPARENT: &str = "transparent";
 const PERSPECTIVE: &str = "perspective";
 const ORTHOGRAPHIC: &str = "orthographic";
+
+fn texts(all: &[Selection]) -> Vec<String> {
+    all.iter().map(Selection::to_string).collect()
+}
 
 fn wrong(field: &str, found: &str, expected: &str) -> Error {
     Error::input(None, format!("session: {field}: found {found}, expected {expected}"))

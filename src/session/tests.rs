@@ -2,6 +2,10 @@ use super::*;
 use crate::color::Srgb8;
 use crate::scene::{DepthOfField, Item, LightFrame, Scene};
 
+fn selection(text: &str) -> Selection {
+    Selection::parse(text).unwrap()
+}
+
 fn settings() -> Settings {
     let document = crate::import::read_bytes(b"2\n\nO 1 2 3\nO 4 2 3\n", "a.xyz", &Default::default()).unwrap();
     let scene = Scene::new(&[Item::of(&document.records[0])], &SceneOptions::default());
@@ -15,6 +19,16 @@ fn settings() -> Settings {
             ground: false,
             perspective: false,
             hydrogens: false,
+            ions: false,
+            by_selection: BySelection {
+                show: vec![selection("chain A or ligand")],
+                hide: vec![selection("file 2 and index 1-3"), selection("water")],
+                colors: vec![(selection("bfactor = 30"), Srgb8::rgb(255, 0, 0))],
+                styles: vec![(selection("ligand"), Style::SpaceFilling)],
+                labels: vec![selection("name CA")],
+            },
+            ball_scale: 1.5,
+            stick_scale: 0.5,
             altloc: AltlocChoice::Code(b'B'),
             vectors: VectorChoice::from_name("forces"),
             vector_scale: Some(0.5),
@@ -81,6 +95,11 @@ fn what_means_nothing_is_refused_with_what_is_meant() {
     assert!(refused("camera", "here".into()).contains("sixteen numbers"));
     assert!(refused("label", serde_json::json!(["colour"])).contains("element, index"));
     assert!(refused("colour", "red".into()).contains("unknown field `colour`"));
+    assert!(refused("hide", serde_json::json!(["chian A"])).contains("session: hide: "));
+    assert!(refused("hide", serde_json::json!(["chian A"])).contains("did you mean `chain`?"));
+    assert!(refused("color", serde_json::json!(["chain A"])).contains("a selection, = and a value"));
+    assert!(refused("styles", serde_json::json!(["chain A=thick"])).contains("one of ball-and-stick"));
+    assert!(refused("ball_scale", 0.into()).contains("from 0.1 to 10"));
     assert!(refused("ground", "yes".into()).starts_with("line "));
     assert!(refused("ballstick_session", 9.into()).contains("version 9"));
     assert!(refused("measurements", serde_json::json!([[[1, 1], [1, 2]]])).contains("number of a file"));
@@ -113,7 +132,9 @@ fn the_command_line_says_what_is_not_usual() {
         "--label element,index --label-size 1.5",
         "--supercell 2x1x3",
         "--measure 5,2:7 --camera ",
-        "--no-ground --no-hydrogens --legend --scale-bar --hbonds --no-cell-box",
+        "--show 'chain A or ligand' --hide 'file 1 and index 1-3' --hide water --label-only 'name CA'",
+        "--style ligand=space-filling --color 'bfactor = 30=#ff0000' --ball-scale 1.5 --stick-scale 0.5",
+        "--no-ground --no-hydrogens --no-ions --legend --scale-bar --hbonds --no-cell-box",
     ] {
         assert!(line.contains(words), "{words} in {line}");
     }

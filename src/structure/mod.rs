@@ -16,6 +16,7 @@ mod gather;
 mod mesh;
 mod names;
 mod positions;
+mod subset;
 mod symmetry;
 
 pub use bond::{Bond, BondKind, BondOrder, BondSource, StatedBonds};

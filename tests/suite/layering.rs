@@ -10,6 +10,7 @@ const LAYERS: &[&[&str]] = &[
     &["structure"],
     &["import", "bonds"],
     &["crystal"],
+    &["select"],
     &["scene"],
     &["render"],
     &["export"],

@@ -4,7 +4,7 @@ use super::{NEAREST, Preferences, Request, State};
 use crate::app::action::Action;
 use crate::app::loader::SAMPLES;
 use crate::app::work::{AtomKey, Source, Work};
-use crate::app::{navigate, picking, pictures, sessions};
+use crate::app::{navigate, picking, pictures, selecting, sessions};
 use crate::scene::{Background, Camera, fit};
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -19,6 +19,7 @@ impl State {
         self.perform(action);
         if self.work != before {
             if !is_time_travel {
+                selecting::follow_files(&before, &mut self.work);
                 self.history.push(before, name, merges_as);
             }
             self.update();
@@ -110,6 +111,9 @@ impl State {
             Action::ScaleBar(on) => work.scene.text.scale_bar = on,
             Action::Hydrogens(on) => work.scene.hydrogens = on,
             Action::Water(on) => work.scene.water = on,
+            Action::Ions(on) => work.scene.ions = on,
+            Action::BallScale(times) => work.scene.ball_scale = times.clamp(0.1, 10.0),
+            Action::StickScale(times) => work.scene.stick_scale = times.clamp(0.1, 10.0),
             Action::Aromatic(how) => work.scene.aromatic = how,
             Action::Haptic(on) => work.scene.haptic = on,
             Action::Bonds(mode) => work.crystal.bonds.mode = mode,
@@ -123,6 +127,8 @@ impl State {
             Action::PickAll => picking::all(self),
             Action::PickNone => work.picked = Arc::default(),
             Action::PickMore => picking::more(self),
+            Action::Choose(how) => selecting::choose(self, how),
+            Action::OnPicked(deed) => selecting::act(self, deed),
             Action::Measuring(on) => {
                 self.measuring = on;
                 self.work.picked = Arc::default();

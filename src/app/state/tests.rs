@@ -1,6 +1,9 @@
 use super::*;
 use crate::app::pictures::Dialog;
+use crate::app::selecting::{self, Deed, How};
+use crate::color::Srgb8;
 use crate::scene::{ColorBy, Look, Style};
+use crate::select::Selection;
 use std::path::PathBuf;
 
 /// A state without a window.
@@ -323,6 +326,123 @@ fn the_command_line_draws_the_same_view() {
     state.apply(Action::Measure);
     let line = sessions::command_line(&state).unwrap();
     assert!(line.contains("caffeine.sdf -o picture.png --size 300x200 --measure 1,5 --camera "), "{line}");
+}
+
+/// The atoms that are drawn, by their numbers from 1.
+fn drawn(state: &State) -> Vec<u32> {
+    state.built.scene.blocks[0].spheres.iter().map(|ball| ball.id).collect()
+}
+
+fn picked(state: &State) -> Vec<u32> {
+    state.work.picked.iter().map(|key| key.atom + 1).collect()
+}
+
+fn words(text: &str) -> Action {
+    Action::Choose(How::Words(text.to_owned()))
+}
+
+#[test]
+fn selecting_by_words_inverts_grows_and_is_undone() {
+    let mut state = opened(&["caffeine.sdf"]);
+    state.apply(words("element O"));
+    let oxygens = picked(&state);
+    assert_eq!(oxygens.len(), 2);
+    state.apply(Action::Choose(How::Grow));
+    assert_eq!(picked(&state).len(), 4, "each has one neighbour");
+    state.apply(Action::Undo);
+    state.apply(Action::Choose(How::Invert));
+    assert_eq!(picked(&state).len(), 22);
+    state.apply(Action::Choose(How::Invert));
+    assert_eq!(picked(&state), oxygens);
+    // Of atoms that were clicked, too.
+    state.apply(Action::Pick(Some(key(&state, 3))));
+    state.apply(Action::Choose(How::Invert));
+    assert!(picked(&state).len() == 23 && !picked(&state).contains(&4));
+    state.apply(words("chian A"));
+    assert!(state.notices.iter().any(|notice| notice.is_error && notice.text.contains("did you mean `chain`?")));
+    assert_eq!(picked(&state).len(), 23, "nothing changes then");
+}
+
+#[test]
+fn what_is_selected_is_hidden_shown_alone_coloured_and_styled() {
+    let mut state = opened(&["caffeine.sdf"]);
+    let all = drawn(&state).len();
+    state.apply(Action::OnPicked(Deed::Hide));
+    assert!(state.notices[0].text.contains("Nothing is selected"));
+    state.apply(words("hydrogen"));
+    state.apply(Action::OnPicked(Deed::Hide));
+    assert_eq!(drawn(&state).len(), all - 10);
+    state.apply(words("element N"));
+    let red = Srgb8::rgb(255, 0, 0);
+    state.apply(Action::OnPicked(Deed::Color(Srgb8::WHITE)));
+    state.apply(Action::OnPicked(Deed::Color(red)));
+    assert_eq!(state.work.scene.by_selection.colors.len(), 1, "a new colour takes the old one's place");
+    state.apply(Action::OnPicked(Deed::ShowOnly));
+    assert!(drawn(&state).len() == 4 && state.built.scene.blocks[0].spheres.iter().all(|ball| ball.color == red));
+    state.apply(Action::OnPicked(Deed::ShowAll));
+    assert_eq!(drawn(&state).len(), all);
+    state.apply(Action::OnPicked(Deed::Style(Style::SpaceFilling)));
+    let largest =
+        |state: &State| state.built.scene.blocks[0].spheres.iter().map(|ball| ball.radius).fold(0.0, f32::max);
+    assert!(largest(&state) > 1.5);
+    state.apply(Action::OnPicked(Deed::Label));
+    assert_eq!(state.built.scene.overlay.labels.len(), 4);
+    state.apply(Action::OnPicked(Deed::Forget("style", 0)));
+    assert!(largest(&state) < 1.0);
+    state.apply(Action::OnPicked(Deed::ForgetAll));
+    assert_eq!(state.work.scene.by_selection, Default::default());
+    state.apply(Action::Undo);
+    assert_eq!(state.work.scene.by_selection.colors, [(Selection::parse("element N").unwrap(), red)]);
+}
+
+#[test]
+fn what_is_hidden_by_clicks_goes_by_number_into_sessions_and_command_lines() {
+    let mut state = opened(&["caffeine.sdf", "benzene.xyz"]);
+    let second = state.work.layers[1].id;
+    state.apply(Action::Choose(How::These((0..3).chain([5]).map(|atom| AtomKey { layer: second, atom }).collect())));
+    state.apply(Action::OnPicked(Deed::Hide));
+    assert_eq!(state.built.scene.blocks[1].spheres.len(), 8);
+    assert!(sessions::command_line(&state).unwrap().contains(" --hide 'file 2 and index 1-3,6' "));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.json");
+    state.apply(Action::SaveSession(path.clone()));
+    let first = state.work.layers[0].id;
+    state.apply(Action::ShowLayer(first, false));
+    assert!(sessions::command_line(&state).unwrap().contains(" --hide 'file 1 and index 1-3,6' "));
+    state.apply(Action::Close(first));
+    assert_eq!(state.work.scene.by_selection.hide[0].text(), "file 1 and index 1-3,6");
+    assert_eq!(state.built.scene.blocks[0].spheres.len(), 8);
+    state.apply(Action::Close(second));
+    assert!(state.work.scene.by_selection.hide.is_empty(), "it goes with its file");
+    let mut other = super::tests::state();
+    other.apply(Action::Open(path));
+    other.wait_for_files();
+    settle(&mut other);
+    assert_eq!(other.built.scene.blocks[1].spheres.len(), 8, "{:?}", other.notices);
+}
+
+#[test]
+fn words_that_find_nothing_are_said_once() {
+    let mut state = state();
+    state.work.scene.by_selection.hide = vec![Selection::parse("chain Q").unwrap()];
+    state.apply(Action::Open(data("caffeine.sdf")));
+    state.wait_for_files();
+    settle(&mut state);
+    let says = |state: &State| state.notices.iter().filter(|notice| notice.text.contains("--hide chain Q")).count();
+    assert_eq!(says(&state), 1);
+    state.notices.clear();
+    state.apply(Action::Style(Style::Licorice));
+    assert_eq!(says(&state), 0);
+}
+
+#[test]
+fn a_rectangle_over_everything_has_all_atoms() {
+    let mut state = opened(&["caffeine.sdf"]);
+    state.set_view_px([400, 300]);
+    assert_eq!(selecting::in_rectangle(&state, [[0.0, 0.0], [400.0, 300.0]]).len(), 24);
+    let left = selecting::in_rectangle(&state, [[0.0, 0.0], [200.0, 300.0]]).len();
+    let right = selecting::in_rectangle(&state, [[200.0, 0.0], [400.0, 300.0]]).len();
+    assert!(left > 4 && right > 4 && left + right == 24, "{left} {right}");
 }
 
 #[test]

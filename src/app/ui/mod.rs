@@ -8,6 +8,8 @@ mod notices;
 mod palette;
 mod panel;
 mod parts;
+mod selecting;
+mod sequence;
 mod start;
 #[cfg(test)]
 mod tests;
@@ -26,6 +28,8 @@ pub(super) struct Memory {
     palette: palette::Memory,
     view: view::Memory,
     atoms: atoms::Memory,
+    selecting: selecting::Memory,
+    sequence: sequence::Memory,
 }
 
 /// A window narrower than this, in points, has no room for the panel.
@@ -51,6 +55,8 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, memory: &mut Memory) -> Rect 
     help::show(ui.ctx(), state, &mut actions);
     dialogs::show(ui.ctx(), state, &mut actions);
     palette::show(ui.ctx(), state, &mut memory.palette, &mut actions);
+    // The field has seen it; an action may ask for it anew.
+    state.shown.write_selection = false;
     for action in actions {
         state.apply(action);
     }

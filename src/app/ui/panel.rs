@@ -1,7 +1,7 @@
 //! The panel on the right: files, how things look, what is shown, crystal, selection, atoms.
 
 use super::parts::{button, choice, heading, named, row, switch, switches};
-use super::{Memory, atoms};
+use super::{Memory, atoms, selecting, sequence};
 use crate::app::action::Action;
 use crate::app::commands::capital;
 use crate::app::picking;
@@ -27,12 +27,16 @@ pub(super) fn show(ui: &mut Ui, state: &State, memory: &mut Memory, actions: &mu
             section(ui, "Style", true, |ui| style(ui, state, actions));
             section(ui, "Light", true, |ui| light(ui, state, actions));
             section(ui, "Show", true, |ui| shown(ui, state, actions));
+            section(ui, "Selection", true, |ui| selecting::show(ui, state, &mut memory.selecting, actions));
             section(ui, "Labels", false, |ui| labels(ui, state, actions));
             section(ui, "Bonds", false, |ui| bonds(ui, state, actions));
             if state.built.drawn.iter().any(|(_, drawn)| drawn.cell.is_some()) {
                 section(ui, "Crystal", true, |ui| crystal(ui, state, actions));
             }
             section(ui, "Picked and measured", true, |ui| picked(ui, state, actions));
+            if sequence::has_any(state, &mut memory.sequence) {
+                section(ui, "Sequence", true, |ui| sequence::show(ui, state, &mut memory.sequence, actions));
+            }
             section(ui, "Atoms", false, |ui| atoms::show(ui, state, &mut memory.atoms, actions));
             section(ui, "Window", false, |ui| window(ui, state, actions));
             ui.add_space(8.0);
@@ -135,6 +139,24 @@ fn style(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     choice(ui, "Colour by", &by, scene.color_by, Action::ColorBy, actions);
     let aromatic = Aromatic::ALL.map(|how| (how, capital(how.name())));
     choice(ui, "Aromatic", &aromatic, scene.aromatic, Action::Aromatic, actions);
+    for (name, times, action) in [
+        ("Balls", scene.ball_scale, Action::BallScale as fn(f32) -> Action),
+        ("Sticks", scene.stick_scale, Action::StickScale as fn(f32) -> Action),
+    ] {
+        row(ui, name, |ui| {
+            // With the number beside it, as wide as the panel.
+            ui.spacing_mut().slider_width = 110.0;
+            let mut times = times;
+            let slider = egui::Slider::new(&mut times, 0.25..=4.0).logarithmic(true).fixed_decimals(2);
+            let response = ui.add(slider.clamping(egui::SliderClamping::Edits));
+            response.widget_info(|| {
+                egui::WidgetInfo::slider(true, f64::from(times), format!("Size of {}", name.to_lowercase()))
+            });
+            if response.changed() {
+                actions.push(action(times));
+            }
+        });
+    }
 }
 
 fn light(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
@@ -185,13 +207,14 @@ fn shown(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     switches(
         ui,
         actions,
-        [("Hydrogen bonds", crystal.bonds.hydrogen_bonds, &Action::HydrogenBonds), ("Axes", scene.axes, &Action::Axes)],
+        [("Hydrogen bonds", crystal.bonds.hydrogen_bonds, &Action::HydrogenBonds), ("Ions", scene.ions, &Action::Ions)],
     );
     switches(
         ui,
         actions,
         [("Legend", scene.text.legend, &Action::Legend), ("Scale bar", scene.text.scale_bar, &Action::ScaleBar)],
     );
+    switch(ui, "Axes", scene.axes, Action::Axes, actions);
 }
 
 fn labels(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {

@@ -6,7 +6,7 @@ use crate::scene::{Background, ColorBy, Style};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, PointerButton, Pos2, Rect};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 
 struct App {
     state: State,
@@ -230,7 +230,7 @@ fn buttons_turn_move_and_the_wheel_zooms() {
     });
     steps(&mut harness);
     let zoomed = harness.state().state.work.camera.angstrom_per_px(600);
-    assert!((before / zoomed - 1.15f32.powi(2)).abs() < 0.01, "{before} {zoomed}");
+    assert!((before / zoomed - crate::app::navigate::ZOOM_PER_NOTCH.powi(2)).abs() < 0.01, "{before} {zoomed}");
 }
 
 #[test]
@@ -324,4 +324,113 @@ fn the_list_of_atoms_makes_only_the_rows_that_are_seen_and_picks() {
     harness.get_by_label_contains("2   CA of THR 1").click();
     steps(&mut harness);
     assert_eq!(harness.state().state.work.picked[0].atom, 1);
+}
+
+fn picked(harness: &Harness<'_, App>) -> Vec<u32> {
+    harness.state().state.work.picked.iter().map(|key| key.atom).collect()
+}
+
+fn type_text(harness: &mut Harness<'_, App>, text: &str) {
+    harness.event(egui::Event::Text(text.to_owned()));
+    steps(harness);
+}
+
+#[test]
+fn a_selection_is_written_completed_and_done_something_with() {
+    let mut harness = harness(opened(&["caffeine.sdf"]));
+    press(&mut harness, Modifiers::COMMAND, Key::F);
+    type_text(&mut harness, "elem");
+    press(&mut harness, Modifiers::NONE, Key::Tab);
+    type_text(&mut harness, "o");
+    assert!(harness.query_by_label_contains("2 atoms; Enter selects them").is_some());
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    assert_eq!(picked(&harness).len(), 2);
+    assert!(harness.query_by_label("2 selected").is_some());
+    let before = harness.state().state.built.scene.sphere_count();
+    harness.get_by_role_and_label(Role::Button, "Hide").click();
+    steps(&mut harness);
+    assert_eq!(harness.state().state.built.scene.sphere_count(), before - 2);
+    harness.get_by_role_and_label(Role::Button, "Take back: Without element o").click();
+    steps(&mut harness);
+    assert_eq!(harness.state().state.built.scene.sphere_count(), before);
+}
+
+#[test]
+fn arrows_choose_a_completion_and_a_click_takes_one() {
+    let mut harness = harness(opened(&["1crn.pdb"]));
+    press(&mut harness, Modifiers::NONE, Key::Slash);
+    type_text(&mut harness, "resname ");
+    press(&mut harness, Modifiers::NONE, Key::ArrowDown);
+    press(&mut harness, Modifiers::NONE, Key::ArrowDown);
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    type_text(&mut harness, "o");
+    harness.get_by_role_and_label(Role::ListBoxOption, "or").click();
+    steps(&mut harness);
+    type_text(&mut harness, "resname tyr");
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    let selection = crate::app::selecting::picked_by(&harness.state().state.work).unwrap().to_string();
+    assert_eq!(selection, "resname ARG or resname tyr");
+}
+
+#[test]
+fn mistakes_are_told_under_the_field_with_what_was_meant() {
+    let mut harness = harness(opened(&["1crn.pdb"]));
+    press(&mut harness, Modifiers::COMMAND, Key::F);
+    type_text(&mut harness, "resnmae CYS ");
+    assert!(harness.query_by_label_contains("Expected what to select").is_some());
+    harness.get_by_label("Did you mean resname?").click();
+    steps(&mut harness);
+    assert!(harness.query_by_label_contains("36 atoms").is_some());
+}
+
+#[test]
+fn a_rectangle_with_shift_selects_what_is_in_it() {
+    let mut harness = harness(opened(&["benzene.xyz"]));
+    let camera = harness.state().state.work.camera;
+    let [first, second] = [0, 1].map(|atom| place(&harness, atom));
+    let area = Rect::from_two_pos(first, second).expand(6.0);
+    harness.event(egui::Event::ModifiersChanged(Modifiers::SHIFT));
+    harness.event(egui::Event::PointerMoved(area.min));
+    steps(&mut harness);
+    button(&mut harness, area.min, PointerButton::Primary, true, Modifiers::SHIFT);
+    steps(&mut harness);
+    for part in 1..=5 {
+        harness.event(egui::Event::PointerMoved(area.min.lerp(area.max, part as f32 / 5.0)));
+        harness.step();
+    }
+    assert!(!harness.state().state.dragging, "the picture rests");
+    button(&mut harness, area.max, PointerButton::Primary, false, Modifiers::SHIFT);
+    steps(&mut harness);
+    let picked = picked(&harness);
+    assert!(picked.contains(&0) && picked.contains(&1) && picked.len() < 12, "{picked:?}");
+    assert!(harness.state().state.work.camera == camera);
+}
+
+#[test]
+fn the_sequence_selects_and_shows_what_is_selected() {
+    let mut harness = harness(opened(&["1crn.pdb"]));
+    assert!(harness.query_by_label("Chain A (46 residues)").is_some());
+    harness.get_by_label("THR 2").click_accesskit();
+    steps(&mut harness);
+    assert_eq!(picked(&harness), (7..14).collect::<Vec<u32>>());
+    let layer = harness.state().state.work.layers[0].id;
+    harness.state_mut().state.apply(Action::Pick(Some(crate::app::work::AtomKey { layer, atom: 15 })));
+    steps(&mut harness);
+    let is_on = |harness: &Harness<'_, App>, label: &str| {
+        harness.get_by_label(label).accesskit_node().toggled().map(|toggled| toggled == egui::accesskit::Toggled::True)
+    };
+    assert_eq!(is_on(&harness, "CYS 3"), Some(true));
+    assert_eq!(is_on(&harness, "THR 2"), Some(false));
+}
+
+#[test]
+fn sizes_and_ions_have_their_places_in_the_panel() {
+    let mut harness = harness(opened(&["caffeine.sdf"]));
+    assert!(harness.query_by_label("Size of balls").is_some() && harness.query_by_label("Size of sticks").is_some());
+    harness.get_by_role_and_label(Role::CheckBox, "Ions").click();
+    steps(&mut harness);
+    assert!(!harness.state().state.work.scene.ions);
+    let before = harness.state().state.built.scene.blocks[0].spheres[0].radius;
+    harness.state_mut().state.apply(Action::BallScale(2.0));
+    assert!((harness.state().state.built.scene.blocks[0].spheres[0].radius / before - 2.0).abs() < 1e-5);
 }

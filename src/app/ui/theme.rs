@@ -105,6 +105,11 @@ fn adjust(style: &mut egui::Style, is_dark: bool) {
     widgets.hovered.bg_stroke = Stroke::new(1.0, grey(190, 90));
 }
 
+/// What is wrong, in this theme.
+pub(super) fn wrong(ui: &egui::Ui) -> Color32 {
+    if ui.visuals().dark_mode { Color32::from_rgb(255, 128, 120) } else { Color32::from_rgb(190, 30, 30) }
+}
+
 /// The accent of this theme.
 pub(super) fn accent(ui: &egui::Ui) -> Color32 {
     if ui.visuals().dark_mode { ACCENT_ON_DARK } else { ACCENT }

@@ -6,8 +6,10 @@ use crate::app::action::Action;
 use crate::app::mouse::Button;
 use crate::app::navigate::{self, Drag};
 use crate::app::picking::{self, Target};
+use crate::app::selecting::{self, How};
 use crate::app::state::{NEAREST, State};
 use crate::app::work::AtomKey;
+use crate::color::Srgb8;
 use crate::scene::Camera;
 use egui::{Color32, Event, MouseWheelUnit, Painter, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 use glam::Vec3;
@@ -21,6 +23,8 @@ pub(super) struct Memory {
     version: u64,
     /// Whether a drag moves the picture.
     pub(super) dragging: bool,
+    /// Where a rectangle begins that is being drawn, and whether what is in it is selected beside what is.
+    rectangle: Option<(Pos2, bool)>,
 }
 
 /// Points that two-finger scrolling sends for what a notch of a wheel is.
@@ -29,6 +33,8 @@ const POINTS_PER_NOTCH: f32 = 50.0;
 const MOST_RINGS: usize = 2000;
 /// A ring is at least so large, points.
 const LEAST_RING: f32 = 5.0;
+/// The least and the most that its line is wide, points (chosen: seen about wires, no more than a line about large balls).
+const RING_WIDTH: (f32, f32) = (1.5, 3.0);
 
 /// Shows the view and turns what the mouse does into actions.
 pub(super) fn show(ui: &mut Ui, state: &State, memory: &mut Memory, actions: &mut Vec<Action>) {
@@ -36,14 +42,15 @@ pub(super) fn show(ui: &mut Ui, state: &State, memory: &mut Memory, actions: &mu
     response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, "Molecule"));
     let scale = ui.ctx().pixels_per_point();
     let view = View { rect, scale, state };
-    drag(ui, &view, &response, actions);
-    memory.dragging = response.dragged();
+    drag(ui, &view, &response, memory, actions);
+    memory.dragging = response.dragged() && memory.rectangle.is_none();
     wheel(ui, &view, &response, actions);
     let under = view.under_pointer(&response, memory);
     click(ui, &view, &response, under, actions);
     let painter = ui.painter_at(rect);
-    rings(&painter, &view, theme::accent(ui));
+    picked_rings(&painter, &view, theme::accent(ui));
     measuring(&painter, &view);
+    rectangle(&painter, &response, memory, theme::accent(ui));
     if let (Some(target), false) = (under, response.dragged()) {
         hover(ui, &painter, &view, memory, target);
     }
@@ -99,7 +106,22 @@ impl View<'_> {
     }
 }
 
-fn drag(ui: &Ui, view: &View<'_>, response: &Response, actions: &mut Vec<Action>) {
+fn drag(ui: &Ui, view: &View<'_>, response: &Response, memory: &mut Memory, actions: &mut Vec<Action>) {
+    if let Some((from, adds)) = memory.rectangle {
+        if response.drag_stopped() {
+            memory.rectangle = None;
+            if let Some(to) = response.interact_pointer_pos() {
+                let area = Rect::from_two_pos(from, to);
+                let keys = selecting::in_rectangle(view.state, [view.px(area.min), view.px(area.max)]);
+                let how = if adds { How::Also(keys) } else { How::These(keys) };
+                actions.push(Action::Choose(how));
+            }
+        }
+        if !response.dragged() {
+            memory.rectangle = None;
+        }
+        return;
+    }
     let buttons = [
         (PointerButton::Primary, Button::Left),
         (PointerButton::Middle, Button::Middle),
@@ -123,8 +145,22 @@ fn drag(ui: &Ui, view: &View<'_>, response: &Response, actions: &mut Vec<Action>
         // A drag over half the window is eight notches of the wheel.
         Drag::Zoom => navigate::zoom(&mut camera, delta.y * 16.0 / height as f32, [0.0; 2], height, NEAREST),
         Drag::Roll => navigate::roll(&mut camera, delta.x, shorter),
+        Drag::Select => {
+            // With Shift as clicks do: beside what is selected.
+            let from = ui.input(|input| input.pointer.press_origin());
+            memory.rectangle = from.map(|from| (from, modifiers.shift));
+            return;
+        }
     }
     actions.push(Action::Camera(camera));
+}
+
+/// The rectangle that is being drawn.
+fn rectangle(painter: &Painter, response: &Response, memory: &Memory, accent: Color32) {
+    let (Some((from, _)), Some(to)) = (memory.rectangle, response.interact_pointer_pos()) else { return };
+    let area = Rect::from_two_pos(from, to);
+    painter.rect_filled(area, 0.0, accent.gamma_multiply(0.12));
+    painter.rect_stroke(area, 0.0, Stroke::new(1.0, accent), egui::StrokeKind::Inside);
 }
 
 fn wheel(ui: &Ui, view: &View<'_>, response: &Response, actions: &mut Vec<Action>) {
@@ -134,8 +170,8 @@ fn wheel(ui: &Ui, view: &View<'_>, response: &Response, actions: &mut Vec<Action
             Event::MouseWheel { unit: MouseWheelUnit::Point, delta, .. } => delta.y / POINTS_PER_NOTCH,
             Event::MouseWheel { unit: MouseWheelUnit::Line, delta, .. } => delta.y,
             Event::MouseWheel { unit: MouseWheelUnit::Page, delta, .. } => delta.y * 5.0,
-            // A factor; a notch is a seventh more.
-            Event::Zoom(factor) if factor > 0.0 => factor.ln() / 1.15f32.ln(),
+            // A factor.
+            Event::Zoom(factor) if factor > 0.0 => factor.ln() / navigate::ZOOM_PER_NOTCH.ln(),
             _ => 0.0,
         };
         input.events.iter().map(of_event).sum::<f32>()
@@ -184,19 +220,31 @@ fn click(ui: &Ui, view: &View<'_>, response: &Response, under: Option<Target>, a
     }
 }
 
-fn ring(painter: &Painter, view: &View<'_>, key: AtomKey, stroke: Stroke, wider: f32) {
-    let Some((center, radius)) = picking::ball(view.state, key) else { return };
-    if let Some((at, per_angstrom)) = view.on_screen(center) {
-        painter.circle_stroke(at, (radius * per_angstrom * 1.12).max(LEAST_RING) + wider, stroke);
+/// Rings about atoms, as [`crate::scene::Scene::halos`] has them; faint about those that something is in front of.
+fn rings(painter: &Painter, view: &View<'_>, keys: impl Iterator<Item = AtomKey>, accent: Color32) {
+    let scene = &view.state.built.scene;
+    let camera = view.state.view();
+    let ids: Vec<u32> = keys.filter_map(|key| picking::id_of(view.state, key)).collect();
+    for halo in scene.halos(&ids, camera.camera.forward(), Srgb8::WHITE) {
+        let Some((at, per_angstrom)) = view.on_screen(halo.center.into()) else { continue };
+        let radius = (halo.ring_radius * per_angstrom).max(LEAST_RING);
+        let width = (2.0 * halo.tube_radius * per_angstrom).clamp(RING_WIDTH.0, RING_WIDTH.1);
+        // Its own ball, or a stick that ends in it.
+        let hit = view.state.built.picker.pick(&camera, view.px(at));
+        let is_seen = hit.is_some_and(|hit| hit.point.distance(halo.center.into()) < halo.ring_radius);
+        let strength = if is_seen { 1.0 } else { 0.35 };
+        // Seen on light and on dark.
+        let light = Color32::from_white_alpha(150).gamma_multiply(strength);
+        painter.circle_stroke(at, radius, Stroke::new(width + 2.0, light));
+        painter.circle_stroke(at, radius, Stroke::new(width, accent.gamma_multiply(strength)));
     }
 }
 
-fn rings(painter: &Painter, view: &View<'_>, accent: Color32) {
-    for &key in view.state.work.picked.iter().take(MOST_RINGS) {
-        // Seen on light and on dark.
-        ring(painter, view, key, Stroke::new(4.0, Color32::from_white_alpha(150)), 1.5);
-        ring(painter, view, key, Stroke::new(2.0, accent), 1.5);
-    }
+/// Rings about what is picked; of very many atoms about some of them, all over.
+fn picked_rings(painter: &Painter, view: &View<'_>, accent: Color32) {
+    let picked = &view.state.work.picked;
+    let step = picked.len().div_ceil(MOST_RINGS).max(1);
+    rings(painter, view, picked.iter().copied().step_by(step), accent);
 }
 
 /// The number that the picked atoms would give, before it is kept.
@@ -234,7 +282,7 @@ fn hint(painter: &Painter, rect: Rect, text: &str) {
 fn hover(ui: &Ui, painter: &Painter, view: &View<'_>, memory: &Memory, target: Target) {
     let Some((at, since, _)) = memory.pointer else { return };
     if let Target::Atom(key) = target {
-        ring(painter, view, key, Stroke::new(1.5, theme::accent(ui).gamma_multiply(0.8)), 1.5);
+        rings(painter, view, std::iter::once(key), theme::accent(ui).gamma_multiply(0.7));
     }
     let waited = since.elapsed().as_secs_f32();
     if waited < tip::DELAY {

@@ -77,8 +77,13 @@ impl Known {
     }
 }
 
+/// What a residue of a force field's name is in the dictionary, the likeliest; `None` where the name means itself.
+pub(crate) fn standard_name(name: &str) -> Option<&'static str> {
+    alias::components(name).first().copied()
+}
+
 /// The atoms of a residue.
-pub(super) fn atoms_of(structure: &Structure, residue: usize) -> Range<usize> {
+pub(crate) fn atoms_of(structure: &Structure, residue: usize) -> Range<usize> {
     let residues = structure.residues();
     let first = residues.get(residue).map_or(0, |residue| residue.first_atom as usize);
     let end = residues.get(residue + 1).map_or(structure.atom_count(), |next| next.first_atom as usize);

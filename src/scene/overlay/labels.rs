@@ -40,16 +40,18 @@ pub(super) fn of_item(
     placement: &Placement,
     spheres: &[SphereInstance],
     content: LabelContent,
+    is_labelled: impl Fn(usize) -> bool,
     labels: &mut Vec<Label>,
 ) {
     // Before those of atoms, so that at a Cα the residue's stays.
     if content.residue {
-        of_residues(item.structure, placement, spheres, labels);
+        of_residues(item.structure, placement, spheres, &is_labelled, labels);
     }
     if !(content.element || content.index || content.name) {
         return;
     }
     let atoms = spheres.iter().filter_map(|sphere| Some((sphere, atom_of(item.structure, sphere)?)));
+    let atoms = atoms.filter(|&(_, atom)| is_labelled(atom));
     labels.extend(atoms.map(|(sphere, atom)| {
         let id = placement.first_id.saturating_add(sphere.id);
         let number = item.listed.get(atom).map_or(atom, |&listed| listed as usize) + 1;
@@ -85,7 +87,14 @@ fn atom_text(structure: &Structure, atom: usize, number: usize, content: LabelCo
     text.into_boxed_str()
 }
 
-fn of_residues(structure: &Structure, placement: &Placement, mut spheres: &[SphereInstance], labels: &mut Vec<Label>) {
+/// A residue of which any atom is to be labelled has its label.
+fn of_residues(
+    structure: &Structure,
+    placement: &Placement,
+    mut spheres: &[SphereInstance],
+    is_labelled: impl Fn(usize) -> bool,
+    labels: &mut Vec<Label>,
+) {
     let residues = structure.residues();
     for (index, residue) in residues.iter().enumerate() {
         let end = residues.get(index + 1).map_or(u32::MAX, |next| next.first_atom);
@@ -95,6 +104,9 @@ fn of_residues(structure: &Structure, placement: &Placement, mut spheres: &[Sphe
         let (own, rest) = own.split_at(own.partition_point(|sphere| sphere.id <= end));
         spheres = rest;
         let (Some(first), Some(last)) = (own.first(), own.last()) else { continue };
+        if !own.iter().any(|sphere| atom_of(structure, sphere).is_some_and(&is_labelled)) {
+            continue;
+        }
         let is_alpha = |sphere: &&SphereInstance| {
             atom_of(structure, sphere).is_some_and(|atom| {
                 structure.elements()[atom] == Element::C && structure.atom_name(atom).trim() == "CA"

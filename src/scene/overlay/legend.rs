@@ -3,7 +3,9 @@
 use super::labels::atom_of;
 use crate::color::Srgb8;
 use crate::element::Element;
+use crate::scene::chosen::Chosen;
 use crate::scene::{ColorBy, SphereInstance};
+use crate::select::Selection;
 use crate::structure::{NameId, Structure};
 use std::cmp::Ordering;
 use std::collections::HashMap;
@@ -23,23 +25,32 @@ enum Key {
     Element(Element),
     Chain(u32),
     Residue(NameId),
+    /// The number of the selection that gives the colour.
+    Selection(usize),
 }
 
 /// The rows for these structures and their balls: elements in the order of formulas (Hill: carbon, hydrogen, then by
-/// symbol), chains as they come in the files, residues by name.
+/// symbol), chains as they come in the files, residues by name; then what selections colour, in their order.
 pub(super) fn rows<'a>(
     color_by: ColorBy,
-    drawn: impl Iterator<Item = (&'a Structure, &'a [SphereInstance])>,
+    by_selection: &[(Selection, Srgb8)],
+    drawn: impl Iterator<Item = (&'a Structure, &'a [SphereInstance], &'a Chosen)>,
 ) -> Vec<LegendRow> {
     let mut found: Vec<(u8, String, Srgb8)> = Vec::new();
-    for (structure, spheres) in drawn {
+    for (structure, spheres, chosen) in drawn {
         // Names are made once a structure, not once an atom.
         let mut seen: HashMap<Key, Srgb8> = HashMap::new();
         for sphere in spheres {
             let Some(atom) = atom_of(structure, sphere) else { continue };
-            let key = key_of(color_by, structure, atom);
+            let key = chosen.recolored(atom).map_or_else(|| key_of(color_by, structure, atom), Key::Selection);
             if seen.insert(key, sphere.color).is_none() {
-                let (rank, name) = name_of(structure, key);
+                let (rank, name) = match key {
+                    Key::Selection(number) => {
+                        let name = by_selection.get(number).map_or("", |(selection, _)| selection.text());
+                        (BY_SELECTION, name.to_owned())
+                    }
+                    key => name_of(structure, key),
+                };
                 let entry = (rank, name, sphere.color);
                 if !found.contains(&entry) {
                     found.push(entry);
@@ -49,7 +60,7 @@ pub(super) fn rows<'a>(
     }
     // Stable: chains stay in the order of the files. Atoms without residues, coloured by element, come last.
     found.sort_by(|a, b| {
-        let by_name = || if a.0 == CHAIN { Ordering::Equal } else { a.1.cmp(&b.1) };
+        let by_name = || if matches!(a.0, CHAIN | BY_SELECTION) { Ordering::Equal } else { a.1.cmp(&b.1) };
         a.0.cmp(&b.0).then_with(by_name)
     });
     let mut rows: Vec<LegendRow> = Vec::new();
@@ -64,6 +75,8 @@ pub(super) fn rows<'a>(
 
 /// The rank of chains.
 const CHAIN: u8 = 0;
+/// That of what selections colour: behind all else.
+const BY_SELECTION: u8 = 5;
 
 fn key_of(color_by: ColorBy, structure: &Structure, atom: usize) -> Key {
     let residue = structure.residue_index(atom).and_then(|index| structure.residues().get(index));
@@ -88,6 +101,8 @@ fn name_of(structure: &Structure, key: Key) -> (u8, String) {
             };
             (rank, element.symbol().to_owned())
         }
+        // Selections are named by their texts.
+        Key::Selection(_) => (BY_SELECTION, String::new()),
     }
 }
 

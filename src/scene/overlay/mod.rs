@@ -6,8 +6,9 @@ mod legend;
 pub use labels::{Label, LabelContent};
 pub use legend::LegendRow;
 
-use super::build::Item;
-use super::{ColorBy, Placement, Scene};
+use super::build::{Item, SceneOptions};
+use super::chosen::Chosen;
+use super::{Placement, Scene};
 
 /// What is to be written.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,21 +56,24 @@ impl Overlay {
     }
 }
 
-/// The texts for items that stand at these placements of the scene.
+/// The texts for items that stand at these placements of the scene, drawn as chosen.
 pub(super) fn build(
     scene: &Scene,
     items: &[(&Item<'_>, usize)],
-    options: &OverlayOptions,
-    color_by: ColorBy,
+    chosen: &[Chosen],
+    SceneOptions { text: options, color_by, by_selection, .. }: &SceneOptions,
 ) -> Overlay {
-    let placed = || items.iter().filter_map(|&(item, at)| Some((item, scene.placements.get(at)?)));
+    let placed =
+        || items.iter().zip(chosen).filter_map(|(&(item, at), chosen)| Some((item, scene.placements.get(at)?, chosen)));
     let spheres = |placement: &Placement| &scene.blocks[placement.block].spheres[..];
     let mut labels = Vec::new();
-    for (item, placement) in placed() {
-        labels::of_item(item, placement, spheres(placement), options.labels, &mut labels);
+    for (item, placement, chosen) in placed() {
+        let is_labelled = |atom: usize| chosen.is_labelled(atom);
+        labels::of_item(item, placement, spheres(placement), options.labels, is_labelled, &mut labels);
     }
     let legend = if options.legend {
-        legend::rows(color_by, placed().map(|(item, placement)| (item.structure, spheres(placement))))
+        let drawn = placed().map(|(item, placement, chosen)| (item.structure, spheres(placement), chosen));
+        legend::rows(*color_by, &by_selection.colors, drawn)
     } else {
         Vec::new()
     };
