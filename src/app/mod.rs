@@ -12,6 +12,7 @@
 //! Limits: a reader that is given up finishes the file it is in, unseen. Sessions do not keep meshes laid over the molecule.
 
 mod action;
+mod ahead;
 mod build;
 mod commands;
 mod files;

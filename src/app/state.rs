@@ -48,13 +48,36 @@ pub(super) struct Shown {
     pub(super) open: Option<String>,
 }
 
+/// What happens where the frames end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum AtEnd {
+    Stop,
+    Loop,
+    /// Back the way they came.
+    Bounce,
+}
+
+impl AtEnd {
+    pub(super) const ALL: [AtEnd; 3] = [AtEnd::Stop, AtEnd::Loop, AtEnd::Bounce];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            AtEnd::Stop => "Once",
+            AtEnd::Loop => "Loop",
+            AtEnd::Bounce => "Bounce",
+        }
+    }
+}
+
 /// How frames are played.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Playing {
     pub(super) on: bool,
     /// Frames a second.
     pub(super) speed: f32,
-    pub(super) loops: bool,
+    pub(super) at_end: AtEnd,
+    /// Whether they go back at the moment.
+    pub(super) back: bool,
     /// When the frame that is shown was asked for.
     pub(super) last: Option<Instant>,
 }
@@ -113,7 +136,7 @@ impl State {
             history: History::default(),
             preferences,
             shown: Shown::default(),
-            playing: Playing { on: false, speed: 12.0, loops: true, last: None },
+            playing: Playing { on: false, speed: 12.0, at_end: AtEnd::Loop, back: false, last: None },
             measuring: false,
             notices: Vec::new(),
             requests: Vec::new(),
@@ -195,8 +218,11 @@ impl State {
             self.asked = None;
             match done {
                 Ok(built) => self.accept(built),
-                Err(error) => self.complain(error.to_string()),
+                Err(error) => self.give_up_frame(&error),
             }
+        }
+        for problem in self.loader.problems() {
+            self.say(problem);
         }
         pictures::poll(self);
     }
@@ -289,7 +315,7 @@ impl State {
             self.asked = None;
             match self.maker.build(spec) {
                 Ok(built) => self.accept(built),
-                Err(error) => self.complain(error.to_string()),
+                Err(error) => self.give_up_frame(&error),
             }
         } else if !self.asked.as_ref().is_some_and(|asked| asked.same_primitives(&spec)) {
             self.builder.ask(spec.clone());
@@ -315,6 +341,12 @@ impl State {
             self.work.fitted = false;
         }
         self.touch();
+    }
+
+    /// Says why there is no picture of what was asked for, and stops playing: a damaged frame would be met in every round.
+    fn give_up_frame(&mut self, error: &Error) {
+        self.playing.on = false;
+        self.complain(error.to_string());
     }
 
     /// The camera that has everything in the picture.
@@ -352,10 +384,14 @@ impl State {
         self.playing.last = Some(now);
         let before = self.work.layers.clone();
         // Played frames are nothing to undo.
-        self.step(1);
+        match self.playing.at_end {
+            AtEnd::Bounce => self.bounce(),
+            AtEnd::Stop | AtEnd::Loop => self.step(1),
+        }
         self.update();
         let is_at_end = |layer: &Layer| layer.frame + 1 == layer.document.frame_count();
-        if self.work.layers == before || (!self.playing.loops && self.work.layers.iter().all(is_at_end)) {
+        let is_over = self.playing.at_end == AtEnd::Stop && self.work.layers.iter().all(is_at_end);
+        if self.work.layers == before || is_over {
             self.playing.on = false;
             return None;
         }

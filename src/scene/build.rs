@@ -31,13 +31,15 @@ pub struct Item<'a> {
     pub listed: &'a [u32],
     /// The cell to be drawn around it, a corner at the file's origin.
     pub cell_box: Option<&'a Cell>,
+    /// Tells structures that differ in their positions alone from others ([`Drawn::kind`]); 0 for none.
+    pub kind: u64,
 }
 
 impl<'a> Item<'a> {
     /// A structure where its file puts it.
     #[must_use]
     pub fn of(structure: &'a Structure) -> Item<'a> {
-        Item { structure, offset: Vec3::ZERO, stubs: &[], lattice: &[], listed: &[], cell_box: None }
+        Item { structure, offset: Vec3::ZERO, stubs: &[], lattice: &[], listed: &[], cell_box: None, kind: 0 }
     }
 
     /// What is drawn of a crystal; with its box if that is asked for, or, nothing being said, if cells are shown.
@@ -51,6 +53,7 @@ impl<'a> Item<'a> {
             lattice: &drawn.lattice,
             listed: &drawn.listed,
             cell_box: cell,
+            kind: drawn.kind,
         }
     }
 }
@@ -191,7 +194,36 @@ impl Default for SceneOptions {
     }
 }
 
-pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
+/// What scenes of one molecule in many frames have in common: all that positions do not decide, so that another frame only moves balls, sticks and
+/// rings.
+pub struct Rig {
+    options: SceneOptions,
+    items: Vec<block::Rig>,
+}
+
+impl Rig {
+    /// Of structures and options.
+    #[must_use]
+    pub fn new(items: &[Item<'_>], options: &SceneOptions) -> Rig {
+        let items = items.iter().map(|item| block::Rig::new(item, options)).collect();
+        Rig { options: SceneOptions { pose: None, ..options.clone() }, items }
+    }
+
+    /// Whether [`Rig::scene`] of these would be what [`Scene::new`] makes, but for aromatic rings that have been bent since.
+    #[must_use]
+    pub fn fits(&self, items: &[Item<'_>], options: &SceneOptions) -> bool {
+        let is_same = SceneOptions { pose: None, ..options.clone() } == self.options;
+        is_same && self.items.len() == items.len() && self.items.iter().zip(items).all(|(rig, item)| rig.fits(item))
+    }
+
+    /// The scene with everything where the items have it. They must fit, or be those that the rig was made of.
+    #[must_use]
+    pub fn scene(&self, items: &[Item<'_>], options: &SceneOptions) -> Scene {
+        build(items, options, &self.items)
+    }
+}
+
+fn build(items: &[Item<'_>], options: &SceneOptions, rigs: &[block::Rig]) -> Scene {
     // One centre for all items, so that numbers stay small wherever the file puts its molecule.
     let center = options.pose.map_or_else(|| common_center(items), |pose| pose.center);
     let mut blocks = Vec::with_capacity(items.len());
@@ -209,9 +241,9 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
     };
     let mut places = Vec::with_capacity(items.len());
     let scales = vectors::vector_scales(items, options);
-    for item in items {
+    for (item, rig) in items.iter().zip(rigs) {
         let shift = item.structure.positions().origin() - center + item.offset.as_dvec3();
-        let mut block = block::build(item, options);
+        let mut block = rig.pose(item, options);
         vectors::draw(&mut block, item.structure, options, &scales);
         places.push((item, place(block, shift)));
         if let Some(cell) = item.cell_box {

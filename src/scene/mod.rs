@@ -30,7 +30,7 @@ mod wedges;
 
 pub use aromatic::Aromatic;
 pub use axes::Axes;
-pub use build::{AltlocChoice, Item, Orientation, Pose, SceneOptions};
+pub use build::{Rig, AltlocChoice, Item, Orientation, Pose, SceneOptions};
 pub use camera::{Camera, PixelGrid, Projection, Ray, Region};
 pub use coloring::ColorBy;
 pub use instances::{Cap, CylinderInstance, SphereInstance};
@@ -119,7 +119,7 @@ impl Scene {
     /// ```
     #[must_use]
     pub fn new(items: &[Item<'_>], options: &SceneOptions) -> Scene {
-        build::build(items, options)
+        Rig::new(items, options).scene(items, options)
     }
 
     /// From parts: placements of blocks that do not exist are left out; bounds are found.

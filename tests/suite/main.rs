@@ -28,6 +28,7 @@ mod schema;
 #[cfg(feature = "gpu")]
 mod shaders;
 mod sky;
+mod trajectories;
 mod transparent;
 #[cfg(feature = "window")]
 mod window;

@@ -202,7 +202,7 @@ fn frames_step_play_and_stop_at_the_end() {
     let frame = |state: &State| state.work.layers[0].frame;
     state.apply(Action::Step(-1));
     assert_eq!(frame(&state), count - 1, "in a loop");
-    state.apply(Action::Loop(false));
+    state.apply(Action::AtEnd(AtEnd::Stop));
     state.apply(Action::Step(1));
     assert_eq!(frame(&state), count - 1);
     state.apply(Action::FirstFrame);
