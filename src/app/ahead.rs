@@ -64,9 +64,8 @@ impl Ring {
         let wanted: Vec<usize> = wish.next().collect();
         let missing = wanted.iter().position(|&number| self.find(&wish.document, number).is_none())?;
         // Two frames are kept whatever they take: the one that is shown and the one after it.
-        let soon = |one: &Decoded| {
-            wish.is_of(one) && (one.number == wish.at || wanted[..missing].contains(&one.number))
-        };
+        let soon =
+            |one: &Decoded| wish.is_of(one) && (one.number == wish.at || wanted[..missing].contains(&one.number));
         if self.decoded.iter().filter(|one| soon(one)).map(|one| bytes_of(&one.frame)).sum::<usize>() > most_bytes {
             return (missing == 0).then(|| (Arc::clone(&wish.document), wanted[missing]));
         }

@@ -191,9 +191,8 @@ impl Maker {
     }
 
     fn fixed(&self, document: &Arc<Document>, record: usize, crystal: &CrystalOptions) -> Result<Arc<Fixed>> {
-        let is_it = |one: &&KeptFixed| {
-            Arc::ptr_eq(&one.document, document) && one.record == record && one.crystal == *crystal
-        };
+        let is_it =
+            |one: &&KeptFixed| Arc::ptr_eq(&one.document, document) && one.record == record && one.crystal == *crystal;
         if let Some(one) = lock(&self.fixed).iter().find(is_it) {
             return Ok(Arc::clone(&one.fixed));
         }

@@ -6,9 +6,9 @@ use crate::crystal::CrystalOptions;
 use crate::error::{Error, Result};
 use crate::import::{self, Document, ImportOptions};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// What is part of the program: its name, what it shows, its file.

@@ -145,12 +145,10 @@ pub(super) fn failed(state: &mut State) {
 /// Takes a file that was read if a session waits for it.
 pub(super) fn arrived(state: &mut State, layer: &Layer) -> bool {
     let Some(opening) = &mut state.opening else { return false };
-    let is_it = |(file, place): &(&File, &mut Option<Layer>)| {
-        place.is_none() && layer.source == Source::File(file.input())
-    };
+    let is_it =
+        |(file, place): &(&File, &mut Option<Layer>)| place.is_none() && layer.source == Source::File(file.input());
     let Some((file, place)) = opening.session.files.iter().zip(&mut opening.layers).find(is_it) else { return false };
-    let last = layer.document.frame_count().saturating_sub(1);
-    let frame = (file.frame as usize).saturating_sub(1).min(last);
+    let frame = layer.document.nearest_frame((file.frame as usize).saturating_sub(1));
     *place = Some(Layer { frame, visible: file.visible, ..layer.clone() });
     finish(state);
     true

@@ -257,8 +257,8 @@ impl State {
         }
         match replaces.and_then(|id| self.work.layer(id).cloned()) {
             Some(old) => {
-                let frame = old.frame.min(document.frame_count().saturating_sub(1));
-                self.apply(Action::Replace(Box::new(Layer { document, frame, ..old })));
+                let frame = document.nearest_frame(old.frame);
+                self.apply(Action::Replace(Box::new(Layer { source, document, frame, ..old })));
             }
             None => {
                 let layer = Layer { id: load, source, document, frame: 0, visible: true };

@@ -57,7 +57,8 @@ pub(super) fn run(files: Vec<PathBuf>, options: Options) -> Result<Vec<String>> 
     let mut state = State::new(options, Preferences::of_user(), Arc::clone(&wake));
     let bytes = |file: &PathBuf| std::fs::metadata(file).map_or(0, |metadata| metadata.len());
     // Of trajectories one frame is read at first.
-    let is_small = files.iter().filter(|file| !is_trajectory(file)).map(bytes).sum::<u64>() <= BEFORE_OPENING && !files.iter().any(|f| f == Path::new("-"));
+    let is_small = files.iter().filter(|file| !is_trajectory(file)).map(bytes).sum::<u64>() <= BEFORE_OPENING
+        && !files.iter().any(|f| f == Path::new("-"));
     let is_some = !files.is_empty();
     for input in inputs(&files) {
         state.apply(match input.trajectories.is_empty() {

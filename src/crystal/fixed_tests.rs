@@ -107,8 +107,7 @@ fn a_network_without_end_is_drawn_as_without_frames() {
 #[test]
 fn hydrogen_bonds_are_those_of_the_frame() {
     let water = |at: DVec3| [(Element::O, at), (Element::H, at + DVec3::X * 0.96), (Element::H, at + DVec3::Y * 0.96)];
-    let atoms: Vec<(Element, DVec3)> =
-        water(DVec3::ZERO).into_iter().chain(water(DVec3::X * 2.8)).collect();
+    let atoms: Vec<(Element, DVec3)> = water(DVec3::ZERO).into_iter().chain(water(DVec3::X * 2.8)).collect();
     let bonds = BondOptions { hydrogen_bonds: true, ..BondOptions::default() };
     let fixed = Fixed::new(structure(&atoms, None), &CrystalOptions { bonds, ..CrystalOptions::default() });
     let count = |apart: f64| {

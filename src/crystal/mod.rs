@@ -165,12 +165,7 @@ impl CrystalOptions {
 
 /// What is drawn of a structure with its bonds, of whose atoms the first `listed` ones are those of the file, and `original` says which one of
 /// these each is an image of.
-fn place(
-    structure: Structure,
-    original: Option<Vec<u32>>,
-    listed: usize,
-    options: &CrystalOptions,
-) -> Result<Drawn> {
+fn place(structure: Structure, original: Option<Vec<u32>>, listed: usize, options: &CrystalOptions) -> Result<Drawn> {
     let (choice, supercell) = options.choice();
     let several = supercell != [1; 3];
     let is_cut = structure.bonds().iter().any(Bond::is_periodic);

@@ -289,6 +289,11 @@ impl Document {
         if is_there { Ok(()) } else { Err(self.missing(index)) }
     }
 
+    /// The frame of this number, or the last one that is known if there is none.
+    pub(crate) fn nearest_frame(&self, index: usize) -> usize {
+        if self.check_frame(index).is_ok() { index } else { self.frame_count().saturating_sub(1) }
+    }
+
     /// Whether there is more than one frame, or a trajectory.
     pub(crate) fn has_frames(&self) -> bool {
         !self.trajectories.is_empty() || self.frame_count() > 1

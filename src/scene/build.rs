@@ -483,3 +483,7 @@ mod tests {
         assert!(scene.fitted_camera(1.5).eye.is_finite());
     }
 }
+
+#[cfg(test)]
+#[path = "rig_tests.rs"]
+mod rig_tests;

@@ -30,7 +30,7 @@ mod wedges;
 
 pub use aromatic::Aromatic;
 pub use axes::Axes;
-pub use build::{Rig, AltlocChoice, Item, Orientation, Pose, SceneOptions};
+pub use build::{AltlocChoice, Item, Orientation, Pose, Rig, SceneOptions};
 pub use camera::{Camera, PixelGrid, Projection, Ray, Region};
 pub use coloring::ColorBy;
 pub use instances::{Cap, CylinderInstance, SphereInstance};

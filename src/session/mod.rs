@@ -403,7 +403,9 @@ impl Session {
         let place = absolute(path);
         let folder = place.parent().unwrap_or(Path::new(""));
         let mut written = self.clone();
-        for path in written.files.iter_mut().flat_map(|file| std::iter::once(&mut file.path).chain(&mut file.trajectories)) {
+        for path in
+            written.files.iter_mut().flat_map(|file| std::iter::once(&mut file.path).chain(&mut file.trajectories))
+        {
             let whole = absolute(path);
             *path = whole.strip_prefix(folder).map_or(whole.clone(), Path::to_owned);
         }

@@ -174,3 +174,62 @@ fn files_are_grouped_by_what_they_are() {
     // What is not there is told by its name.
     assert_eq!(inputs(&paths(&["box.gro", "none.xtc"])).len(), 1);
 }
+
+/// A folder with a structure and its trajectories.
+fn case() -> crate::cli::Case {
+    let case = crate::cli::Case::new(&[]);
+    for name in ["box.gro", "water.xtc", "few.xtc"] {
+        std::fs::copy(folder().join(name), case.path(name)).unwrap();
+    }
+    case
+}
+
+#[test]
+fn the_program_knows_a_structure_and_its_trajectory_as_one() {
+    let case = case();
+    let text = case.run(&["info", "box.gro", "water.xtc"]).status(0).out();
+    assert!(text.contains("frames    6") && text.contains("water.xtc: 6 frames, 1 to 13.5 ps"), "{text}");
+    let json = case.run(&["info", "--json", "box.gro", "water.xtc", "box.gro"]).status(0).out();
+    let lines: Vec<serde_json::Value> = json.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!((lines.len(), &lines[0]["frames"], &lines[1]["frames"]), (2, &6.into(), &1.into()));
+    let said = &lines[0]["trajectories"][0];
+    assert_eq!((&said["format"], &said["last_ps"]), (&"xtc".into(), &13.5.into()));
+    assert!(lines[1].get("trajectories").is_none());
+    // Cut off in its last frame.
+    let bytes = std::fs::read(case.path("water.xtc")).unwrap();
+    std::fs::write(case.path("cut.xtc"), &bytes[..bytes.len() - 5]).unwrap();
+    let run = case.run(&["info", "box.gro", "cut.xtc"]).status(0);
+    assert!(run.out().contains("cut.xtc: 5 frames"));
+    assert!(
+        run.err().contains("warning: cut.xtc: the file is cut off in frame 6; the 5 before it are there"),
+        "{}",
+        run.err()
+    );
+}
+
+#[test]
+fn a_frame_of_a_trajectory_is_drawn() {
+    let case = case();
+    let draw = |frame: &str, more: &[&str], name: &str| {
+        let flags =
+            ["render", "box.gro", "water.xtc", "-o", name, "--size", "64x48", "--quality", "draft", "--frame", frame];
+        case.run(&[&flags[..], more].concat())
+    };
+    for (frame, name) in [("1", "a.png"), ("6", "b.png")] {
+        let run = draw(frame, &[], name).status(0);
+        assert_eq!(run.err(), "");
+    }
+    assert_ne!(std::fs::read(case.path("a.png")).unwrap(), std::fs::read(case.path("b.png")).unwrap());
+    let atoms = |more: &[&str]| {
+        let timings: serde_json::Value = serde_json::from_str(&draw("6", more, "c.png").status(0).err()).unwrap();
+        (timings["atom_count"].clone(), timings["bond_count"].clone())
+    };
+    assert_eq!(atoms(&["--timings"]), (48.into(), 32.into()));
+    assert_eq!(atoms(&["--timings", "--bonds-per-frame", "--cell", "asym"]).0, 48);
+    let run = draw("7", &[], "d.png").status(1);
+    assert!(run.err().contains("frame 7 is asked for, but there are only 6"), "{}", run.err());
+    let run = case.run(&["render", "water.xtc", "-o", "e.png"]).status(1);
+    assert!(run.err().contains("ballstick STRUCTURE water.xtc"), "{}", run.err());
+    let run = case.run(&["render", "box.gro", "few.xtc", "-o", "e.png"]).status(1);
+    assert!(run.err().contains("few.xtc has 9 atoms a frame, but box.gro has 48 atoms"), "{}", run.err());
+}

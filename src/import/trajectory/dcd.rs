@@ -260,8 +260,7 @@ fn cell(numbers: [f64; 6], version: i32) -> Option<Cell> {
     let is_matrix = xx > 0.0
         && xx * yy - xy * xy > 0.0
         && xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz) > 0.0;
-    let matrix =
-        || Cell::from_vectors(DVec3::new(xx, xy, xz), DVec3::new(xy, yy, yz), DVec3::new(xz, yz, zz));
+    let matrix = || Cell::from_vectors(DVec3::new(xx, xy, xz), DVec3::new(xy, yy, yz), DVec3::new(xz, yz, zz));
     let are_angles = angles.iter().all(|&angle| angle > 0.0 && angle < 180.0);
     match () {
         () if version > 24 && is_matrix => matrix(),

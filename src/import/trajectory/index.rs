@@ -175,7 +175,12 @@ mod tests {
     #[test]
     fn a_header_that_leads_nowhere_ends_the_frames() {
         let mut index = Index::new(5);
-        index.extend(usize::MAX, &|offset| Ok(Step::Frame { end: if offset < 20 { offset + 5 } else { offset } })).unwrap();
-        assert_eq!((index.count(), index.ending()), (3, Some(Ending::Damaged { offset: 20, what: "a frame without length" })));
+        index
+            .extend(usize::MAX, &|offset| Ok(Step::Frame { end: if offset < 20 { offset + 5 } else { offset } }))
+            .unwrap();
+        assert_eq!(
+            (index.count(), index.ending()),
+            (3, Some(Ending::Damaged { offset: 20, what: "a frame without length" }))
+        );
     }
 }

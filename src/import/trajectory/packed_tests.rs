@@ -23,7 +23,8 @@ impl Writer {
 
     /// Lowest byte first, the rest of a byte last.
     fn put_triple(&mut self, triple: [u32; 3], sizes: [u32; 3], bits: u32) {
-        let all = triple.iter().zip(sizes).fold(0u128, |all, (&number, size)| all * u128::from(size) + u128::from(number));
+        let all =
+            triple.iter().zip(sizes).fold(0u128, |all, (&number, size)| all * u128::from(size) + u128::from(number));
         for byte in 0..bits / 8 {
             self.put(all >> (8 * byte) & 0xff, 8);
         }
