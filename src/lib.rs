@@ -37,7 +37,7 @@
 //! |---|---|
 //! | [`math`], [`color`], [`element`], [`error`] | geometry, the only sRGB conversion, the element table, errors by whose fault they are |
 //! | [`structure`] | the molecular model: structure of arrays, immutable once built |
-//! | [`import`], [`bonds`] | bytes to structures (and triangle meshes, [`import::mesh`]), never guessing a bond; structures to bonds, never reading a file |
+//! | [`import`], [`bonds`] | bytes to structures (and triangle meshes, [`import::mesh`], and frames of trajectories, [`import::trajectory`], which has a table of their formats), never guessing a bond; structures to bonds, never reading a file |
 //! | [`crystal`] | which copies of a periodic structure's atoms are drawn: whole molecules, cells, supercells |
 //! | [`scene`] | blocks of primitives × placements, styles, colours, arrows, overlays, camera, light, ground; knows no renderer |
 //! | [`render`] | the definition of the picture ([`render::frame`]), the CPU renderer, the wgpu renderer, and the choice between them |
@@ -95,6 +95,8 @@
 //!   what hides the atom, and are not in exports.
 //! - Sessions keep neither meshes laid over the molecule nor samples, and find atoms by their numbers. `--camera` writes one frame and one
 //!   view; files that show different frames are one command line only with the same.
+//! - A trajectory's bonds are those of its structure file in that file's own coordinates, where a cell counts only if that file states it. Hydrogen bonds across the cell's faces are
+//!   not drawn in its frames, nor are networks without end the same atoms in each. Compressed trajectories are unpacked into memory, and `convert` writes none.
 //! - How far reading a file is can be told by its steps only; one that is given up is read to its end, unseen.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
 //! - Large pictures are drawn in strips, each of which sorts all primitives anew. JPEG and WebP are gathered in memory, 3 or 4 bytes a

@@ -80,6 +80,8 @@ fn what_is_cut_off_keeps_the_frames_before() {
             };
             let frames = cut.count_frames(|| true).unwrap();
             assert!(frames >= most && frames < want.frames.len() + 1, "{name} of {end} bytes: {frames} frames");
+            // Where a frame has just ended nobody can know that there was another.
+            let is_clean = frames > most;
             most = frames;
             for frame in 0..frames {
                 let got = cut.frame(frame).unwrap();
@@ -87,7 +89,7 @@ fn what_is_cut_off_keeps_the_frames_before() {
                 assert!(away.length() < 0.1, "{name} of {end} bytes");
             }
             let is_whole = frames == want.frames.len();
-            assert!(is_whole || cut.problem().is_some() || name.ends_with("trr"), "{name} of {end} bytes");
+            assert!(is_whole || is_clean || cut.problem().is_some() || name.ends_with("trr"), "{name} of {end} bytes");
         }
         // A frame without positions may follow the last one that counts.
         assert!(most + 1 >= want.frames.len(), "{name}: {most}");

@@ -15,7 +15,6 @@
 //! Limits: programs that write another unit of time (LAMMPS with `units metal`) cannot be told from the others.
 
 use super::bytes::{Bytes, Numbers};
-use super::index::Step;
 use crate::error::{Error, Result};
 use crate::structure::{Cell, Frame, Positions};
 use glam::{DVec3, Vec3};
@@ -66,7 +65,7 @@ pub(super) struct Header {
     /// The atoms that move, from 0; empty if all do.
     free: Vec<u32>,
     /// Where frames begin.
-    pub(super) start: u64,
+    start: u64,
     /// The positions of the first frame, which fixed atoms keep.
     first: OnceLock<Vec<Vec3>>,
 }
@@ -163,15 +162,6 @@ impl Header {
         }
     }
 
-    /// What stands at the first frame's place.
-    pub(super) fn first_step(&self, bytes: &Bytes) -> Result<Step> {
-        let (frames, _) = self.frames_in(bytes.len());
-        if frames == 0 {
-            return Ok(if bytes.len() > self.start { Step::Cut } else { Step::End });
-        }
-        Ok(Step::Frame { end: self.offset(1) })
-    }
-
     /// Time of a frame, ps; `None` where the header says none.
     pub(super) fn time_ps(&self, frame: usize) -> Option<f64> {
         let step = f64::from(self.first_step) + frame as f64 * f64::from(self.every);
@@ -260,17 +250,17 @@ fn cell(numbers: [f64; 6], version: i32) -> Option<Cell> {
     let is_matrix = xx > 0.0
         && xx * yy - xy * xy > 0.0
         && xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz) > 0.0;
-    let matrix = || Cell::from_vectors(DVec3::new(xx, xy, xz), DVec3::new(xy, yy, yz), DVec3::new(xz, yz, zz));
     let are_angles = angles.iter().all(|&angle| angle > 0.0 && angle < 180.0);
-    match () {
-        () if version > 24 && is_matrix => matrix(),
-        () if angles.iter().all(|cosine| cosine.abs() <= 1.0) => {
-            let degrees = |cosine: f64| if cosine == 0.0 { 90.0 } else { cosine.acos().to_degrees() };
-            Cell::from_parameters([a, b, c], angles.map(degrees))
-        }
-        () if are_angles => Cell::from_parameters([a, b, c], angles),
-        () if is_matrix => matrix(),
-        () => None,
+    let are_cosines = angles.iter().all(|cosine| cosine.abs() <= 1.0);
+    if is_matrix && (version > 24 || !are_cosines && !are_angles) {
+        Cell::from_vectors(DVec3::new(xx, xy, xz), DVec3::new(xy, yy, yz), DVec3::new(xz, yz, zz))
+    } else if are_cosines {
+        let degrees = |cosine: f64| if cosine == 0.0 { 90.0 } else { cosine.acos().to_degrees() };
+        Cell::from_parameters([a, b, c], angles.map(degrees))
+    } else if are_angles {
+        Cell::from_parameters([a, b, c], angles)
+    } else {
+        None
     }
 }
 

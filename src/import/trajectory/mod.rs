@@ -58,11 +58,12 @@ impl TrajectoryFormat {
     /// The format by the first bytes of a file (64 are enough); `None` if it is no trajectory.
     #[must_use]
     pub fn of(head: &[u8]) -> Option<TrajectoryFormat> {
-        match () {
-            () if xtc::is_xtc(head) => Some(TrajectoryFormat::Xtc),
-            () if trr::is_trr(head) => Some(TrajectoryFormat::Trr),
-            () if dcd::is_dcd(head) => Some(TrajectoryFormat::Dcd),
-            () => None,
+        if xtc::is_xtc(head) {
+            Some(TrajectoryFormat::Xtc)
+        } else if trr::is_trr(head) {
+            Some(TrajectoryFormat::Trr)
+        } else {
+            dcd::is_dcd(head).then_some(TrajectoryFormat::Dcd)
         }
     }
 
