@@ -55,6 +55,16 @@ impl Spec {
         self.same_primitives(other) && self.scene == other.scene
     }
 
+    /// Whether nothing but the frames that are shown is another.
+    pub(super) fn differs_by_frames(&self, other: &Spec) -> bool {
+        let same_layer = |(a, b): (&Layer, &Layer)| a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1);
+        self.layers.len() == other.layers.len()
+            && self.layers.iter().zip(&other.layers).all(same_layer)
+            && self.layers.iter().zip(&other.layers).any(|(a, b)| a.2 != b.2)
+            && self.scene == other.scene
+            && self.crystal == other.crystal
+    }
+
     /// The primitives of another one, in this one's light.
     pub(super) fn with_primitives_of(self, other: &Spec) -> Spec {
         Spec { scene: other.scene.lit_as(&self.scene), ..other.clone() }

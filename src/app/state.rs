@@ -328,10 +328,12 @@ impl State {
         self.touch();
         // Light may have changed while it was made.
         let built = built.relit(Spec::of(&self.work).with_primitives_of(&built.spec));
+        // A view that followed every frame would tremble.
+        let is_next_frame = built.spec.differs_by_frames(&self.built.spec);
         self.work.scene.pose = if built.drawn.is_empty() { None } else { Some(built.scene.pose) };
         self.built = Arc::new(built);
         picking::keep_what_is_there(self);
-        if self.work.fitted {
+        if self.work.fitted && !is_next_frame {
             self.fit();
         } else {
             self.work.camera.fit_depths(&self.built.scene);

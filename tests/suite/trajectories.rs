@@ -235,3 +235,26 @@ fn a_frame_of_a_trajectory_is_drawn() {
     let run = case.run(&["render", "box.gro", "few.xtc", "-o", "e.png"]).status(1);
     assert!(run.err().contains("few.xtc has 9 atoms a frame, but box.gro has 48 atoms"), "{}", run.err());
 }
+
+/// Seconds and bytes a second for the files that `BALLSTICK_TRAJECTORIES` names, separated by colons:
+/// `cargo test --release trajectories::speed -- --ignored --nocapture`.
+#[test]
+#[ignore = "measures, and has nothing to fail"]
+fn speed() {
+    let files = std::env::var("BALLSTICK_TRAJECTORIES").unwrap_or_default();
+    for file in files.split(':').filter(|file| !file.is_empty()) {
+        let started = std::time::Instant::now();
+        let trajectory = Trajectory::open(file.as_ref(), &Limits::default()).unwrap();
+        let frames = trajectory.count_frames(|| true).unwrap();
+        let counted = started.elapsed().as_secs_f64();
+        let started = std::time::Instant::now();
+        let atoms: usize = (0..frames).map(|frame| trajectory.frame(frame).unwrap().positions.len()).sum();
+        let seconds = started.elapsed().as_secs_f64();
+        let megabytes = std::fs::metadata(file).unwrap().len() as f64 * 1e-6;
+        println!(
+            "{file}: {frames} frames counted in {counted:.4} s, read in {seconds:.3} s, {:.0} MB/s, {:.1} M atoms/s",
+            megabytes / seconds,
+            atoms as f64 * 1e-6 / seconds
+        );
+    }
+}
