@@ -19,12 +19,7 @@ pub(super) struct LoadSeconds {
     pub(super) bonds: f64,
 }
 
-/// Reads a file and says what its reader noticed.
-pub(super) fn read(path: &Path, report: &Report) -> Result<Document> {
-    read_as(path, None, report)
-}
-
-/// The same for a file of which the format is said.
+/// Reads a file, of which the format may be said, and says what its reader noticed.
 pub(super) fn read_as(path: &Path, format: Option<Format>, report: &Report) -> Result<Document> {
     let document = import::read_path(path, &ImportOptions { format, ..ImportOptions::default() })?;
     for diagnostic in &document.diagnostics {

@@ -17,7 +17,6 @@ use crate::export::picture::{PictureFormat, PictureOptions};
 use crate::import::trajectory::Input;
 use crate::render::image::{GBuffer, Image, SkyVisibility};
 use serde::Serialize;
-use std::path::PathBuf;
 use std::time::Instant;
 
 /// What a renderer hands back.
