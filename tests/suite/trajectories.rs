@@ -258,3 +258,51 @@ fn speed() {
         );
     }
 }
+
+/// What a frame costs beside decoding, for the structure and trajectory in `BALLSTICK_PLAY`, separated by a colon.
+#[test]
+#[ignore = "measures, and has nothing to fail"]
+fn moving() {
+    use ballstick::crystal::{self, CrystalOptions, Fixed};
+    use ballstick::scene::{Item, Rig, Scene, SceneOptions};
+    let Ok(files) = std::env::var("BALLSTICK_PLAY") else { return };
+    let (structure, trajectory) = files.split_once(':').unwrap();
+    let input = Input { structure: structure.into(), trajectories: vec![trajectory.into()] };
+    let document = read_input(&input, &ImportOptions::default()).unwrap();
+    let options = CrystalOptions::default();
+    let fixed = Fixed::new(document.records[0].clone(), &options);
+    let first = fixed.draw(document.trajectory_frame(0).unwrap()).unwrap();
+    let rig = Rig::new(&[Item::drawn(&first, None)], &SceneOptions::default());
+    let pose = Some(rig.scene(&[Item::drawn(&first, None)], &SceneOptions::default()).pose);
+    let look = SceneOptions { pose, ..SceneOptions::default() };
+    let mut seconds = [0.0; 5];
+    let mut time = |which: usize, started: std::time::Instant| seconds[which] += started.elapsed().as_secs_f64();
+    const FRAMES: usize = 20;
+    for number in 0..FRAMES {
+        let now = std::time::Instant::now;
+        let started = now();
+        let frame = document.trajectory_frame(number).unwrap();
+        time(0, started);
+        let started = now();
+        let drawn = fixed.draw(frame).unwrap();
+        time(1, started);
+        let items = [Item::drawn(&drawn, None)];
+        assert!(rig.fits(&items, &look));
+        let started = now();
+        let moved = rig.scene(&items, &look);
+        time(2, started);
+        let started = now();
+        let anew = Scene::new(&items, &look);
+        time(3, started);
+        assert!(moved == anew);
+        let structure = document.at_frame(number).unwrap();
+        let started = now();
+        crystal::draw(structure, &options).unwrap();
+        time(4, started);
+    }
+    let ms = seconds.map(|seconds| format!("{:.2}", seconds * 1e3 / FRAMES as f64));
+    println!(
+        "ms a frame: decoded {}, put together {}, scene moved {}, scene anew {}, bonds anew {}",
+        ms[0], ms[1], ms[2], ms[3], ms[4]
+    );
+}
