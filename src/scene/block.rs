@@ -411,6 +411,10 @@ mod tests {
     use crate::structure::{AtomRecord, BondOrder, BondSource, Diagnostics, StructureBuilder};
     use glam::DVec3;
 
+    fn build(item: &Item<'_>, options: &SceneOptions) -> Block {
+        Rig::new(item, options).pose(item, options)
+    }
+
     fn altloc_structure() -> Structure {
         let mut builder = StructureBuilder::new();
         let residue = Some(("A", 7, b' ', "SER"));
