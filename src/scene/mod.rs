@@ -2,6 +2,8 @@
 //!
 //! A [`Scene`] is blocks of primitives × placements (rigid transforms), so that assemblies, symmetry mates and
 //! supercells draw one copy many times; a plain molecule is one block placed once. Nothing here knows how it is drawn.
+//!
+//! Scenes of many frames of one molecule share a [`Rig`]: what positions do not decide is found once.
 
 mod aromatic;
 mod arrows;
