@@ -37,7 +37,7 @@
 //! |---|---|
 //! | [`math`], [`color`], [`element`], [`error`] | geometry, the only sRGB conversion, the element table, errors by whose fault they are |
 //! | [`structure`] | the molecular model: structure of arrays, immutable once built |
-//! | [`import`], [`bonds`] | bytes to structures (and triangle meshes, [`import::mesh`]), never guessing a bond; structures to bonds, never reading a file |
+//! | [`import`], [`bonds`] | bytes to structures (and triangle meshes, [`import::mesh`], and frames of trajectories, [`import::trajectory`], which has a table of their formats), never guessing a bond; structures to bonds, never reading a file |
 //! | [`crystal`] | which copies of a periodic structure's atoms are drawn: whole molecules, cells, supercells |
 //! | [`select`] | atoms by words, as in `chain A and not water`: the language, its errors and completions |
 //! | [`scene`] | blocks of primitives × placements, styles, colours, arrows, overlays, camera, light, ground; knows no renderer |
@@ -97,6 +97,8 @@
 //! - Sessions keep neither meshes laid over the molecule nor samples, and find atoms by their numbers. `--camera` writes one frame and one
 //!   view; files that show different frames are one command line only with the same.
 //! - Selections know distances within what is drawn, not across the faces of a cell, and no secondary structure but what the file states.
+//! - A trajectory's bonds are those of its structure file in that file's own coordinates, where a cell counts only if that file states it. Hydrogen bonds across the cell's faces are
+//!   not drawn in its frames, nor are networks without end the same atoms in each. Compressed trajectories are unpacked into memory, and `convert` writes none.
 //! - How far reading a file is can be told by its steps only; one that is given up is read to its end, unseen.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
 //! - Large pictures are drawn in strips, each of which sorts all primitives anew. JPEG and WebP are gathered in memory, 3 or 4 bytes a

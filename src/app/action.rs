@@ -1,9 +1,11 @@
 //! Everything a person can do, as values: keys, panel, palette, undo and tests all speak through these.
 
 use super::selecting::{Deed, How};
+use super::state::AtEnd;
 use super::work::{AtomKey, Layer};
 use crate::bonds::BondMode;
-use crate::crystal::CellChoice;
+use crate::crystal::{BondsPerFrame, CellChoice};
+use crate::import::trajectory::Input;
 use crate::render::Quality;
 use crate::scene::{Aromatic, Background, Camera, ColorBy, LabelContent, Look, Style};
 use glam::Vec3;
@@ -14,8 +16,10 @@ use std::path::PathBuf;
 pub(super) enum Action {
     /// Ask for a file to open.
     OpenDialog,
-    /// Open a molecule or a session.
+    /// Open a molecule or a session, or a trajectory of what was opened last.
     Open(PathBuf),
+    /// Open a molecule with its trajectories.
+    OpenInput(Input),
     /// Open the sample of this number.
     OpenSample(usize),
     /// Read all files again.
@@ -64,6 +68,7 @@ pub(super) enum Action {
     Haptic(bool),
     Bonds(BondMode),
     HydrogenBonds(bool),
+    BondsPerFrame(BondsPerFrame),
     Cell(CellChoice),
     Supercell([u32; 3]),
     CellBox(Option<bool>),
@@ -96,7 +101,7 @@ pub(super) enum Action {
     LastFrame,
     Play(bool),
     Speed(f32),
-    Loop(bool),
+    AtEnd(AtEnd),
 
     /// Save the picture on the screen at once.
     Screenshot,
@@ -163,7 +168,11 @@ impl Action {
                 Deed::Label => "labels of selected atoms",
                 Deed::Forget(..) | Deed::ForgetAll => "what selections say",
             },
-            Action::Aromatic(_) | Action::Haptic(_) | Action::Bonds(_) | Action::HydrogenBonds(_) => "bonds",
+            Action::Aromatic(_)
+            | Action::Haptic(_)
+            | Action::Bonds(_)
+            | Action::HydrogenBonds(_)
+            | Action::BondsPerFrame(_) => "bonds",
             Action::Cell(_) | Action::Supercell(_) | Action::CellBox(_) => "cell",
             Action::Quality(_) => "quality",
             Action::Pick(_)

@@ -1,13 +1,14 @@
 //! From the work to a scene, at once for small molecules and on a thread for large ones.
 
+use super::ahead::Ahead;
 use super::loader::guarded;
 use super::work::Work;
-use crate::crystal::{self, CrystalOptions, Drawn};
-use crate::error::{Error, Result};
+use crate::crystal::{self, CrystalOptions, Drawn, Fixed};
+use crate::error::Result;
 use crate::import::Document;
-use crate::render::Picker;
-use crate::scene::{Item, Scene, SceneOptions};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use crate::render::{Hit, Picker, View};
+use crate::scene::{Item, Rig, Scene, SceneOptions};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Tells the window that there is something for it; called from other threads.
 pub(super) type Waker = Arc<dyn Fn() + Send + Sync>;
@@ -16,6 +17,9 @@ pub(super) type Waker = Arc<dyn Fn() + Send + Sync>;
 const AT_ONCE: usize = 8_000;
 /// What is drawn of frames is kept for so many of them, as long as it has no more atoms than this in all.
 const KEPT: (usize, usize) = (64, 2_000_000);
+
+/// Molecules of which the bonds in all frames are kept.
+const MOST_FIXED: usize = 8;
 
 /// A file's number, what is in it, and the frame that is shown.
 type Layer = (u32, Arc<Document>, usize);
@@ -63,6 +67,16 @@ impl Spec {
         self.same_primitives(other) && self.scene == other.scene
     }
 
+    /// Whether nothing but the frames that are shown is another.
+    pub(super) fn differs_by_frames(&self, other: &Spec) -> bool {
+        let same_layer = |(a, b): (&Layer, &Layer)| a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1);
+        self.layers.len() == other.layers.len()
+            && self.layers.iter().zip(&other.layers).all(same_layer)
+            && self.layers.iter().zip(&other.layers).any(|(a, b)| a.2 != b.2)
+            && self.scene == other.scene
+            && self.crystal == other.crystal
+    }
+
     /// The primitives of another one, in this one's light.
     pub(super) fn with_primitives_of(self, other: &Spec) -> Spec {
         Spec { scene: other.scene.lit_as(&self.scene), ..other.clone() }
@@ -87,7 +101,7 @@ impl Spec {
 pub(super) struct Built {
     pub(super) spec: Spec,
     pub(super) scene: Arc<Scene>,
-    pub(super) picker: Arc<Picker>,
+    pub(super) picker: Arc<LazyPicker>,
     /// What is drawn of each layer, by its id, in the order of the scene's items.
     pub(super) drawn: Vec<(u32, Arc<Drawn>)>,
 }
@@ -97,8 +111,8 @@ impl Built {
     pub(super) fn empty(work: &Work) -> Built {
         let mut scene = Scene::from_blocks(Vec::new(), Vec::new());
         scene.relight(&work.scene);
-        let picker = Arc::new(Picker::new(&scene));
-        Built { spec: Spec::of(work), scene: Arc::new(scene), picker, drawn: Vec::new() }
+        let scene = Arc::new(scene);
+        Built { spec: Spec::of(work), picker: LazyPicker::of(&scene), scene, drawn: Vec::new() }
     }
 
     /// The same primitives in the light of other options.
@@ -109,6 +123,23 @@ impl Built {
     }
 }
 
+/// Finds what is under the pointer; made when it is first asked, which it is not while frames are played.
+pub(super) struct LazyPicker {
+    scene: Arc<Scene>,
+    picker: OnceLock<Picker>,
+}
+
+impl LazyPicker {
+    fn of(scene: &Arc<Scene>) -> Arc<LazyPicker> {
+        Arc::new(LazyPicker { scene: Arc::clone(scene), picker: OnceLock::new() })
+    }
+
+    /// As [`Picker::pick`].
+    pub(super) fn pick(&self, view: &View, at_px: [f32; 2]) -> Option<Hit> {
+        self.picker.get_or_init(|| Picker::new(&self.scene)).pick(view, at_px)
+    }
+}
+
 struct Kept {
     document: Arc<Document>,
     frame: usize,
@@ -116,10 +147,21 @@ struct Kept {
     drawn: Arc<Drawn>,
 }
 
-/// Makes scenes; keeps what is drawn of frames.
+/// A molecule whose bonds are the same in all frames.
+struct KeptFixed {
+    document: Arc<Document>,
+    record: usize,
+    crystal: CrystalOptions,
+    fixed: Arc<Fixed>,
+}
+
+/// Makes scenes; keeps what is drawn of frames, and what all frames have in common.
 #[derive(Default)]
 pub(super) struct Maker {
     kept: Mutex<Vec<Kept>>,
+    fixed: Mutex<Vec<KeptFixed>>,
+    rig: Mutex<Option<Arc<Rig>>>,
+    ahead: Ahead,
 }
 
 impl Maker {
@@ -134,21 +176,77 @@ impl Maker {
             return Ok(drawn);
         }
         drop(kept);
-        let structure = document.at_frame(frame).ok_or_else(|| {
-            Error::input(
-                None,
-                format!("frame {} is asked for, but there are only {}", frame + 1, document.frame_count()),
-            )
-        })?;
-        let drawn = Arc::new(crystal::draw(structure, crystal)?);
+        let is_trajectory = !document.trajectories.is_empty();
+        let drawn = if document.has_frames() && crystal.bonds_per_frame.is_fixed(is_trajectory) {
+            self.drawn_fixed(document, frame, crystal)?
+        } else {
+            crystal::draw(document.at_frame(frame)?, crystal)?
+        };
+        let drawn = Arc::new(drawn);
         let mut kept = lock(&self.kept);
         let one = Kept { document: Arc::clone(document), frame, crystal: *crystal, drawn: Arc::clone(&drawn) };
         kept.push(one);
         let atoms = |kept: &[Kept]| kept.iter().map(|one| one.drawn.structure.atom_count()).sum::<usize>();
+        if is_trajectory {
+            // Frames that are decoded are kept elsewhere, and cost little to draw; two are there for undo and reload.
+            let is_its = |one: &Kept| Arc::ptr_eq(&one.document, document);
+            while kept.iter().filter(|one| is_its(one)).count() > 2 {
+                let Some(first) = kept.iter().position(is_its) else { break };
+                kept.remove(first);
+            }
+        }
         while kept.len() > 1 && (kept.len() > KEPT.0 || atoms(&kept) > KEPT.1) {
             kept.remove(0);
         }
         Ok(drawn)
+    }
+
+    /// What is drawn of a frame with the bonds of another one.
+    fn drawn_fixed(&self, document: &Arc<Document>, frame: usize, crystal: &CrystalOptions) -> Result<Drawn> {
+        if !document.trajectories.is_empty() {
+            let frame = self.ahead.frame(document, frame)?;
+            return self.fixed(document, 0, crystal)?.draw((*frame).clone());
+        }
+        let (record, frame) = document.frame(frame).ok_or_else(|| document.missing(frame))?;
+        let frame = document.records[record].frames()[frame].clone();
+        self.fixed(document, record, crystal)?.draw(frame)
+    }
+
+    fn fixed(&self, document: &Arc<Document>, record: usize, crystal: &CrystalOptions) -> Result<Arc<Fixed>> {
+        let is_it =
+            |one: &&KeptFixed| Arc::ptr_eq(&one.document, document) && one.record == record && one.crystal == *crystal;
+        if let Some(one) = lock(&self.fixed).iter().find(is_it) {
+            return Ok(Arc::clone(&one.fixed));
+        }
+        let first = document.records.get(record).and_then(|structure| structure.at_frame(0));
+        let first = first.ok_or_else(|| document.missing(0))?;
+        let fixed = Arc::new(Fixed::new(first, crystal));
+        let mut all = lock(&self.fixed);
+        // Files with other settings, and of other records, are few and far between.
+        if all.len() >= MOST_FIXED {
+            all.remove(0);
+        }
+        all.push(KeptFixed { document: Arc::clone(document), record, crystal: *crystal, fixed: Arc::clone(&fixed) });
+        Ok(fixed)
+    }
+
+    /// What the scene has in common with the one before it, if that is all but positions; else made anew.
+    fn rig(&self, items: &[Item<'_>], options: &SceneOptions) -> Arc<Rig> {
+        let mut kept = lock(&self.rig);
+        if let Some(rig) = kept.as_ref().filter(|rig| rig.fits(items, options)) {
+            return Arc::clone(rig);
+        }
+        let rig = Arc::new(Rig::new(items, options));
+        // One that fits no other scene is not worth its memory.
+        *kept = rig.fits(items, options).then(|| Arc::clone(&rig));
+        rig
+    }
+
+    /// Forgets what was kept of files that are closed.
+    pub(super) fn forget(&self, is_open: impl Fn(&Arc<Document>) -> bool) {
+        self.ahead.forget(&is_open);
+        lock(&self.kept).retain(|one| is_open(&one.document));
+        lock(&self.fixed).retain(|one| is_open(&one.document));
     }
 
     /// The scene of a specification.
@@ -160,9 +258,8 @@ impl Maker {
         let items: Vec<Item<'_>> = (drawn.iter().zip(&spec.files))
             .map(|((_, drawn), &file)| Item { file: Some(file), ..Item::drawn(drawn, spec.cell_box) })
             .collect();
-        let scene = Scene::new(&items, &spec.scene);
-        let picker = Arc::new(Picker::new(&scene));
-        Ok(Built { spec: spec.posed(&scene), scene: Arc::new(scene), picker, drawn })
+        let scene = Arc::new(self.rig(&items, &spec.scene).scene(&items, &spec.scene));
+        Ok(Built { spec: spec.posed(&scene), picker: LazyPicker::of(&scene), scene, drawn })
     }
 }
 

@@ -6,10 +6,10 @@ use super::loader::SAMPLES;
 use super::mouse::Preset;
 use super::preferences::Theme;
 use super::selecting::{Deed, How};
-use super::state::State;
+use super::state::{AtEnd, State};
 use crate::bonds::BondMode;
 use crate::color::Srgb8;
-use crate::crystal::CellChoice;
+use crate::crystal::{BondsPerFrame, CellChoice};
 use crate::render::Quality;
 use crate::scene::{Aromatic, Background, ColorBy, LabelContent, Look, Style};
 use egui::{Key, Modifiers};
@@ -217,6 +217,10 @@ fn molecule(mut table: Table<'_>, state: &State) {
     for mode in BondMode::ALL {
         table.choice(format!("Bonds: {}", mode.name()), &[], crystal.bonds.mode == mode, Action::Bonds(mode));
     }
+    for when in BondsPerFrame::ALL {
+        let title = format!("Bonds anew in each frame: {}", when.name());
+        table.choice(title, &[], crystal.bonds_per_frame == when, Action::BondsPerFrame(when));
+    }
     for cell in CellChoice::ALL {
         table.choice(format!("Crystal: {}", cell.name()), &[], crystal.cell == cell, Action::Cell(cell));
     }
@@ -266,7 +270,10 @@ fn frames(mut table: Table<'_>, state: &State) {
     table.repeating("Frame before", plain(Key::Comma), Action::Step(-1));
     table.add("First frame", &[ctrl(Key::Home)], Action::FirstFrame);
     table.add("Last frame", &[ctrl(Key::End)], Action::LastFrame);
-    table.switch("Play in a loop", &[], state.playing.loops, Action::Loop);
+    for what in AtEnd::ALL {
+        let title = format!("At the last frame: {}", what.name().to_lowercase());
+        table.choice(title, &[], state.playing.at_end == what, Action::AtEnd(what));
+    }
 }
 
 fn window(mut table: Table<'_>, state: &State) {

@@ -6,10 +6,10 @@ use crate::crystal::CrystalOptions;
 use crate::error::{Error, Result};
 use crate::import::{self, Document, ImportOptions};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::time::Instant;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 /// What is part of the program: its name, what it shows, its file.
 pub(super) struct Sample {
@@ -34,6 +34,9 @@ pub(super) const SAMPLES: [Sample; 6] = [
     sample!("Quartz", "a crystal, its cell drawn", "quartz.cif"),
     sample!("Ethane", "a methyl group turns, frame by frame", "ethane-rotation.xyz"),
 ];
+
+/// How often the bar of frames learns of more of them (chosen).
+const TELL_EVERY: Duration = Duration::from_millis(250);
 
 /// How far a file is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,12 +82,14 @@ pub(super) struct Loader {
     receiver: Receiver<Loaded>,
     under_way: Vec<Load>,
     next: u32,
+    /// What is to be said of trajectories since the last call.
+    problems: Arc<Mutex<Vec<String>>>,
 }
 
 impl Loader {
     pub(super) fn new(maker: Arc<Maker>, wake: Waker) -> Loader {
         let (sender, receiver) = channel();
-        Loader { maker, wake, sender, receiver, under_way: Vec::new(), next: 1 }
+        Loader { maker, wake, sender, receiver, under_way: Vec::new(), next: 1, problems: Arc::default() }
     }
 
     /// Begins to read.
@@ -101,12 +106,17 @@ impl Loader {
             cancelled: Arc::clone(&cancelled),
         };
         let (maker, wake, sender) = (Arc::clone(&self.maker), Arc::clone(&self.wake), self.sender.clone());
+        let problems = Arc::clone(&self.problems);
         let work = move || {
             let result = guarded(|| read(&source, &crystal, &maker, &stage, &cancelled));
             stage.store(Stage::Done as u8, Ordering::Relaxed);
+            let document = result.as_ref().ok().map(Arc::clone);
             // The window may be gone.
             let _ = sender.send(Loaded { load: id, source, result });
             wake();
+            if let Some(document) = document {
+                count_frames(&document, &wake, &problems);
+            }
         };
         match std::thread::Builder::new().name("read".to_owned()).spawn(work) {
             Ok(_) => self.under_way.push(load),
@@ -136,6 +146,11 @@ impl Loader {
             self.sort(loaded, &mut finished);
         }
         finished
+    }
+
+    /// What turned out about the frames of trajectories since the last call.
+    pub(super) fn problems(&mut self) -> Vec<String> {
+        std::mem::take(&mut *self.problems.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Waits until all is read.
@@ -172,7 +187,7 @@ fn read(
 ) -> Result<Arc<Document>> {
     let options = ImportOptions::default();
     let document = match source {
-        Source::File(path) => import::read_path(path, &options)?,
+        Source::File(input) => import::trajectory::read_input(input, &options)?,
         Source::Sample(name) => {
             let sample = SAMPLES.iter().find(|sample| sample.name == *name);
             let sample = sample.ok_or_else(|| Error::Unsupported(format!("there is no sample called {name}")))?;
@@ -185,6 +200,30 @@ fn read(
         maker.drawn(&document, 0, crystal)?;
     }
     Ok(document)
+}
+
+/// Finds all frames of trajectories; meanwhile those that are known can be looked at. Ends when nobody else has the document any more.
+fn count_frames(document: &Arc<Document>, wake: &Waker, problems: &Mutex<Vec<String>>) {
+    for trajectory in &document.trajectories {
+        if trajectory.is_counted() {
+            continue;
+        }
+        let mut told = Instant::now();
+        let goes_on = || {
+            if told.elapsed() > TELL_EVERY {
+                told = Instant::now();
+                wake();
+            }
+            Arc::strong_count(document) > 1
+        };
+        // Where the file cannot be read any more, the frame that is asked for says so.
+        let _ = trajectory.count_frames(goes_on);
+        if let Some(problem) = trajectory.problem() {
+            let name = trajectory.path().file_name().unwrap_or_default().to_string_lossy().into_owned();
+            problems.lock().unwrap_or_else(PoisonError::into_inner).push(format!("{name}: {problem}"));
+        }
+        wake();
+    }
 }
 
 /// A panic, which is a bug of ours, becomes an error: the window stays open.

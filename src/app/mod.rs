@@ -2,8 +2,8 @@
 //!
 //! Everything a person can do is an [`action`], and [`state`] does it: keys, panel, palette, undo, sessions and tests all drive the same
 //! thing, without a window. [`work`] is what undo and sessions keep. [`loader`] reads files and [`build`] makes scenes, on threads of
-//! their own where it takes long. [`selecting`] selects, and writes down as selections what is done with that. [`commands`] is the one table
-//! of what there is to do. [`ui`] shows the state with egui and turns input into actions.
+//! their own where it takes long; frames of trajectories are decoded [`ahead`]. [`selecting`] selects, and writes down as selections what is
+//! done with that. [`commands`] is the one table of what there is to do. [`ui`] shows the state with egui and turns input into actions.
 //!
 //! [`window`] joins this to the system: winit's events go to egui, what egui draws goes to the [`screen`] with the picture behind it. With a
 //! real GPU the picture is drawn there and the interface over it; otherwise the CPU renderer draws on a thread ([`worker`]) and the interface
@@ -12,6 +12,7 @@
 //! Limits: a reader that is given up finishes the file it is in, unseen. Sessions do not keep meshes laid over the molecule.
 
 mod action;
+mod ahead;
 mod build;
 mod commands;
 mod files;

@@ -40,10 +40,15 @@ pub(super) fn of(state: &State) -> Session {
         viewpoint,
     };
     let mut session = Session::of(&settings);
+    let absolute = |path: &PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
     let file = |layer: &Layer| File {
         path: match &layer.source {
-            Source::File(path) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
+            Source::File(input) => absolute(&input.structure),
             Source::Sample(name) => PathBuf::from(name),
+        },
+        trajectories: match &layer.source {
+            Source::File(input) => input.trajectories.iter().map(absolute).collect(),
+            Source::Sample(_) => Vec::new(),
         },
         frame: u32::try_from(layer.frame + 1).unwrap_or(u32::MAX),
         visible: layer.visible,
@@ -122,7 +127,7 @@ pub(super) fn open(state: &mut State, path: &Path) {
     };
     state.preferences.opened(path);
     for file in &session.files {
-        state.loader.start(Source::File(file.path.clone()), settings.crystal, None);
+        state.loader.start(Source::File(file.input()), settings.crystal, None);
     }
     let layers = session.files.iter().map(|_| None).collect();
     state.opening = Some(Opening { session, settings, layers });
@@ -140,12 +145,10 @@ pub(super) fn failed(state: &mut State) {
 /// Takes a file that was read if a session waits for it.
 pub(super) fn arrived(state: &mut State, layer: &Layer) -> bool {
     let Some(opening) = &mut state.opening else { return false };
-    let is_it = |(file, place): &(&File, &mut Option<Layer>)| {
-        place.is_none() && layer.source == Source::File(file.path.clone())
-    };
+    let is_it =
+        |(file, place): &(&File, &mut Option<Layer>)| place.is_none() && layer.source == Source::File(file.input());
     let Some((file, place)) = opening.session.files.iter().zip(&mut opening.layers).find(is_it) else { return false };
-    let last = layer.document.frame_count().saturating_sub(1);
-    let frame = (file.frame as usize).saturating_sub(1).min(last);
+    let frame = layer.document.nearest_frame((file.frame as usize).saturating_sub(1));
     *place = Some(Layer { frame, visible: file.visible, ..layer.clone() });
     finish(state);
     true

@@ -50,13 +50,36 @@ pub(super) struct Shown {
     pub(super) open: Option<String>,
 }
 
+/// What happens where the frames end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum AtEnd {
+    Stop,
+    Loop,
+    /// Back the way they came.
+    Bounce,
+}
+
+impl AtEnd {
+    pub(super) const ALL: [AtEnd; 3] = [AtEnd::Stop, AtEnd::Loop, AtEnd::Bounce];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            AtEnd::Stop => "Once",
+            AtEnd::Loop => "Loop",
+            AtEnd::Bounce => "Bounce",
+        }
+    }
+}
+
 /// How frames are played.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Playing {
     pub(super) on: bool,
     /// Frames a second.
     pub(super) speed: f32,
-    pub(super) loops: bool,
+    pub(super) at_end: AtEnd,
+    /// Whether they go back at the moment.
+    pub(super) back: bool,
     /// When the frame that is shown was asked for.
     pub(super) last: Option<Instant>,
 }
@@ -116,7 +139,7 @@ impl State {
             history: History::default(),
             preferences,
             shown: Shown::default(),
-            playing: Playing { on: false, speed: 12.0, loops: true, last: None },
+            playing: Playing { on: false, speed: 12.0, at_end: AtEnd::Loop, back: false, last: None },
             measuring: false,
             notices: Vec::new(),
             requests: Vec::new(),
@@ -198,8 +221,11 @@ impl State {
             self.asked = None;
             match done {
                 Ok(built) => self.accept(built),
-                Err(error) => self.complain(error.to_string()),
+                Err(error) => self.give_up_frame(&error),
             }
+        }
+        for problem in self.loader.problems() {
+            self.say(problem);
         }
         pictures::poll(self);
     }
@@ -234,8 +260,8 @@ impl State {
         }
         match replaces.and_then(|id| self.work.layer(id).cloned()) {
             Some(old) => {
-                let frame = old.frame.min(document.frame_count().saturating_sub(1));
-                self.apply(Action::Replace(Box::new(Layer { document, frame, ..old })));
+                let frame = document.nearest_frame(old.frame);
+                self.apply(Action::Replace(Box::new(Layer { source, document, frame, ..old })));
             }
             None => {
                 let layer = Layer { id: load, source, document, frame: 0, visible: true };
@@ -292,7 +318,7 @@ impl State {
             self.asked = None;
             match self.maker.build(spec) {
                 Ok(built) => self.accept(built),
-                Err(error) => self.complain(error.to_string()),
+                Err(error) => self.give_up_frame(&error),
             }
         } else if !self.asked.as_ref().is_some_and(|asked| asked.same_primitives(&spec)) {
             self.builder.ask(spec.clone());
@@ -311,10 +337,12 @@ impl State {
                 self.complain(format!("{flag}: there is no such atom."));
             }
         }
+        // A view that followed every frame would tremble.
+        let is_next_frame = built.spec.differs_by_frames(&self.built.spec);
         self.work.scene.pose = if built.drawn.is_empty() { None } else { Some(built.scene.pose) };
         self.built = Arc::new(built);
         picking::keep_what_is_there(self);
-        if self.work.fitted {
+        if self.work.fitted && !is_next_frame {
             self.fit();
         } else {
             self.work.camera.fit_depths(&self.built.scene);
@@ -324,6 +352,12 @@ impl State {
             self.work.fitted = false;
         }
         self.touch();
+    }
+
+    /// Says why there is no picture of what was asked for, and stops playing: a damaged frame would be met in every round.
+    fn give_up_frame(&mut self, error: &Error) {
+        self.playing.on = false;
+        self.complain(error.to_string());
     }
 
     /// The camera that has everything in the picture.
@@ -361,10 +395,14 @@ impl State {
         self.playing.last = Some(now);
         let before = self.work.layers.clone();
         // Played frames are nothing to undo.
-        self.step(1);
+        match self.playing.at_end {
+            AtEnd::Bounce => self.bounce(),
+            AtEnd::Stop | AtEnd::Loop => self.step(1),
+        }
         self.update();
         let is_at_end = |layer: &Layer| layer.frame + 1 == layer.document.frame_count();
-        if self.work.layers == before || (!self.playing.loops && self.work.layers.iter().all(is_at_end)) {
+        let is_over = self.playing.at_end == AtEnd::Stop && self.work.layers.iter().all(is_at_end);
+        if self.work.layers == before || is_over {
             self.playing.on = false;
             return None;
         }

@@ -8,6 +8,7 @@ use super::screen::{Interface, Screen};
 use super::state::{Request, State};
 use super::{Options, ui};
 use crate::error::{Error, Result};
+use crate::import::trajectory::{inputs, is_trajectory};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -55,10 +56,15 @@ pub(super) fn run(files: Vec<PathBuf>, options: Options) -> Result<Vec<String>> 
     });
     let mut state = State::new(options, Preferences::of_user(), Arc::clone(&wake));
     let bytes = |file: &PathBuf| std::fs::metadata(file).map_or(0, |metadata| metadata.len());
-    let is_small = files.iter().map(bytes).sum::<u64>() <= BEFORE_OPENING && !files.iter().any(|f| f == Path::new("-"));
+    // Of trajectories one frame is read at first.
+    let is_small = files.iter().filter(|file| !is_trajectory(file)).map(bytes).sum::<u64>() <= BEFORE_OPENING
+        && !files.iter().any(|f| f == Path::new("-"));
     let is_some = !files.is_empty();
-    for file in files {
-        state.apply(Action::Open(file));
+    for input in inputs(&files) {
+        state.apply(match input.trajectories.is_empty() {
+            true => Action::Open(input.structure),
+            false => Action::OpenInput(input),
+        });
     }
     if is_small {
         state.wait_for_files();

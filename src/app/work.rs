@@ -2,6 +2,7 @@
 
 use crate::crystal::CrystalOptions;
 use crate::import::Document;
+use crate::import::trajectory::Input;
 use crate::render::Quality;
 use crate::scene::{AtomPlace, Camera, Measurement, SceneOptions};
 use crate::select::Selection;
@@ -11,7 +12,8 @@ use std::sync::Arc;
 /// Where a molecule comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Source {
-    File(PathBuf),
+    /// A structure, and trajectories of its atoms.
+    File(Input),
     /// The name of a molecule that is part of the program.
     Sample(&'static str),
 }
@@ -20,7 +22,7 @@ impl Source {
     /// Where it can be read again; standard input and what is part of the program cannot.
     pub(super) fn path(&self) -> Option<&Path> {
         match self {
-            Source::File(path) if path.as_os_str() != "-" => Some(path),
+            Source::File(input) if input.structure.as_os_str() != "-" => Some(&input.structure),
             _ => None,
         }
     }
@@ -28,7 +30,10 @@ impl Source {
     /// A short name for people.
     pub(super) fn name(&self) -> String {
         match self {
-            Source::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
+            Source::File(input) => {
+                let name = |path: &PathBuf| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+                input.files().map(name).collect::<Vec<_>>().join(" + ")
+            }
             Source::Sample(name) => (*name).to_owned(),
         }
     }

@@ -258,6 +258,15 @@ pub fn assign(structure: Structure, options: &BondOptions) -> Structure {
     if of_atom.is_empty() { structure } else { structure.with_formal_charges(of_atom) }
 }
 
+/// The structure with the hydrogen bonds of its first frame beside those it has.
+#[must_use]
+pub fn with_hydrogen_bonds(structure: Structure) -> Structure {
+    let more = periodic::hydrogen_bonds(&structure, 0, structure.bonds());
+    let bonds = structure.bonds().iter().copied().chain(more).collect();
+    // What is stated as one is not there twice: the first of a pair stays.
+    structure.with_bonds(bonds)
+}
+
 /// What the file states, completed by what is known of the residues.
 fn settle(stated: Vec<Bond>, inside: Vec<Bond>, links: Vec<Bond>, known: &mut Known) -> Vec<Bond> {
     let mut bonds = merge(inside, links);

@@ -54,7 +54,8 @@ pub enum Command {
 /// `ballstick view`.
 #[derive(Debug, Clone, Args)]
 pub struct ViewArgs {
-    /// Molecule files, all into one scene, or a session; - is standard input; without any the window shows how to open one
+    /// Molecule files, all into one scene, or a session; - is standard input; without any the window shows how to open one. A
+    /// trajectory (XTC, TRR, DCD) stands behind the structure whose atoms it moves
     #[arg(value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Look.
@@ -80,6 +81,7 @@ Examples:
   ballstick render *.sdf -o pictures/            one picture each: pictures/NAME.png
   ballstick render *.sdf -o 'out/{stem}.webp'    the same with names of your own
   ballstick render 1crn.pdb -o fig.png --hide water --style 'residue 10-20=space-filling'
+  ballstick render top.pdb run.xtc -o last.png --frame 500
   curl … | ballstick render - -o - > fig.png
 
 Channels (--channel) as 16-bit PNG, or as plain numbers in NPY (-o depth.npy):
@@ -101,7 +103,7 @@ renderer and output.";
 #[derive(Debug, Clone, Args)]
 #[command(after_help = AFTER_RENDER, after_long_help = format!("{AFTER_RENDER}\n\n{}", crate::select::help()))]
 pub struct RenderArgs {
-    /// Molecule files; - is standard input
+    /// Molecule files; - is standard input; a trajectory (XTC, TRR, DCD) stands behind the structure whose atoms it moves
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
     /// Picture: a file takes all FILEs into one scene; a folder (there, or ending in /) or a name with {stem} makes
@@ -213,7 +215,7 @@ pub struct LookArgs {
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true, conflicts_with_all = ["view", "axis", "projection"], help_heading = "Look")]
     pub camera: Option<Viewpoint>,
     /// Mark a distance, angle or dihedral: two, three or four atoms by their numbers in what is drawn, from 1, such as 1,5 or,
-    /// with the number of the FILE, 2:7,2:9,2:12; may be given several times
+    /// with the number of the FILE (trajectories do not count), 2:7,2:9,2:12; may be given several times
     #[arg(long, value_name = "ATOMS", help_heading = "Text")]
     pub measure: Vec<MeasureArg>,
     /// Leave hydrogens out
@@ -321,9 +323,13 @@ pub struct BondArgs {
     pub hbonds: bool,
 }
 
-/// What of a crystal is drawn.
+/// What of a crystal, and of several frames, is drawn.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct CrystalArgs {
+    /// Find the bonds of each frame anew; alone it means always
+    #[arg(long, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_value = "auto",
+          default_missing_value = "always", help_heading = "Molecule")]
+    pub bonds_per_frame: PerFrameArg,
     /// What of a structure with a unit cell is drawn
     #[arg(long, value_name = "WHAT", default_value = "molecule", help_heading = "Crystal")]
     pub cell: CellArg,
@@ -349,7 +355,7 @@ impl CrystalArgs {
 /// Which part of a file.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub struct SelectArgs {
-    /// Frame (XYZ frame, PDB model, SDF record), counted from 1; with --record the frame of that record
+    /// Frame (XYZ frame, PDB model, SDF record, frame of a trajectory), counted from 1; with --record the frame of that record
     #[arg(long, value_name = "N", value_parser = counted_from_1, help_heading = "Molecule")]
     pub frame: Option<NonZeroU32>,
     /// Record of a file with several molecules, counted from 1; all takes every one (a picture shows them side by side)
@@ -368,7 +374,7 @@ pub struct RendererArgs {
 /// `ballstick info`.
 #[derive(Debug, Clone, Args)]
 pub struct InfoArgs {
-    /// Molecule files; - is standard input
+    /// Molecule files; - is standard input; a trajectory (XTC, TRR, DCD) behind its structure is told of with it, one object for both
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
     /// One JSON object a file, one a line; a file that cannot be read gives {"path", "error": {"line", "message"}}
@@ -517,6 +523,17 @@ pub enum BondsArg {
     None,
 }
 
+/// `--bonds-per-frame`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PerFrameArg {
+    /// Of files that list the atoms of each frame (XYZ, PDB models); frames of a trajectory have the bonds of its structure
+    Auto,
+    /// Of all files
+    Always,
+    /// Of none: all frames have the bonds of the structure, or of the first one
+    Never,
+}
+
 /// `--cell`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum CellArg {
@@ -616,6 +633,7 @@ mod tests {
             "--altloc=B",
             "--cell=full",
             "--supercell=2x2x1",
+            "--bonds-per-frame=never",
             "--haptic",
             "--label=element,index",
             "--label=residue",
@@ -675,7 +693,8 @@ mod tests {
                 quality: Default::default(),
                 viewpoint,
             });
-            session.files = vec![crate::session::File { path: "a.xyz".into(), frame: 1, visible: true }];
+            session.files =
+                vec![crate::session::File { path: "a.xyz".into(), frame: 1, visible: true, ..Default::default() }];
             let line = session.command_line([300, 200]);
             let cli = Cli::try_parse_from(line.split(' ')).unwrap();
             let Some(Command::Render(args)) = cli.command else { panic!("{line}") };

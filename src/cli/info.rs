@@ -1,7 +1,7 @@
 //! `ballstick info`: what is in a file, for people or as one JSON object a line.
 //!
 //! Atoms, bonds and the rest are those of the first record as listed: its first frame, all alternate locations.
-//! `frames` counts those of all records. `bond_orders` counts covalent bonds of order 1 to 3,
+//! `frames` counts those of all records, or, where a trajectory follows its structure, of that (`trajectories` says more). `bond_orders` counts covalent bonds of order 1 to 3,
 //! aromatic ones only as that. `--explain-bonds` adds the reason of every bond.
 
 use super::args::InfoArgs;
@@ -11,8 +11,9 @@ use super::report::{Report, printable};
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::export::tidy;
-use crate::import::{self, Document, ImportOptions};
-use crate::structure::{Bond, Structure};
+use crate::import::trajectory::{Input, Trajectory, inputs, read_input};
+use crate::import::{Document, ImportOptions};
+use crate::structure::{Bond, Diagnostic, Severity, Structure};
 use crate::{bonds, export::atomic};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashSet};
@@ -34,12 +35,43 @@ struct Info {
     chains: usize,
     residues: usize,
     frames: usize,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    trajectories: Vec<TrajectoryInfo>,
     cell: Option<CellInfo>,
     diagnostics: Vec<DiagnosticInfo>,
     #[serde(flatten)]
     explanations: Option<Explanations>,
     #[serde(skip)]
     records: usize,
+}
+
+/// A trajectory of the structure. Times are in picoseconds, those of the first and the last frame.
+#[derive(Debug, Serialize)]
+struct TrajectoryInfo {
+    path: String,
+    format: &'static str,
+    frames: usize,
+    first_ps: Option<f64>,
+    last_ps: Option<f64>,
+}
+
+impl TrajectoryInfo {
+    fn of(trajectory: &Trajectory) -> TrajectoryInfo {
+        let frames = trajectory.known_frames();
+        // Single precision's own digits: 0.1, not 0.10000000149011612.
+        let short = |time: f64| match f64::from(time as f32) == time {
+            true => (time as f32).to_string().parse().unwrap_or(time),
+            false => tidy(time),
+        };
+        let time = |frame: usize| trajectory.time_ps(frame).ok().flatten().map(short);
+        TrajectoryInfo {
+            path: trajectory.path().to_string_lossy().into_owned(),
+            format: trajectory.format().name(),
+            frames,
+            first_ps: time(0),
+            last_ps: time(frames.saturating_sub(1)),
+        }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -84,10 +116,12 @@ struct FailureReason {
 }
 
 pub(super) fn run(args: &InfoArgs, report: &mut Report) {
-    report.start(args.files.len());
-    for (index, path) in args.files.iter().enumerate() {
+    let inputs = inputs(&args.files);
+    report.start(inputs.len());
+    for (index, input) in inputs.iter().enumerate() {
+        let path = &input.structure;
         report.step(index, &path.to_string_lossy());
-        let text = match super::guarded(|| read(path, args, report)) {
+        let text = match super::guarded(|| read(input, args, report)) {
             Ok(info) if args.json => json_line(&info),
             Ok(info) => people_text(&info),
             Err(error) => {
@@ -113,8 +147,18 @@ fn print(text: &str) -> Result<()> {
     written.map_err(|source| Error::Io { action: "write", path: PathBuf::from("-"), source })
 }
 
-fn read(path: &Path, args: &InfoArgs, report: &Report) -> Result<Info> {
-    let document = import::read_path(path, &ImportOptions::default())?;
+fn read(input: &Input, args: &InfoArgs, report: &Report) -> Result<Info> {
+    let path = &input.structure;
+    let mut document = read_input(input, &ImportOptions::default())?;
+    let trajectories = document.trajectories.clone();
+    for trajectory in &trajectories {
+        let was_counted = trajectory.is_counted();
+        trajectory.count_frames(|| true)?;
+        if let Some(problem) = trajectory.problem().filter(|_| !was_counted) {
+            let message = format!("{}: {problem}", trajectory.path().display());
+            document.diagnostics.push(Diagnostic { severity: Severity::Warning, line: None, message });
+        }
+    }
     if !args.json {
         // In JSON they are in the object.
         for diagnostic in &document.diagnostics {
@@ -124,6 +168,7 @@ fn read(path: &Path, args: &InfoArgs, report: &Report) -> Result<Info> {
     let structure = document.records.first().ok_or_else(|| Error::input(None, "there is no molecule in it"))?;
     let bonds = bonds::find(structure, 0, &bond_options(args.bonds));
     let mut info = summary(path, &document, structure, &bonds);
+    info.trajectories = trajectories.iter().map(|trajectory| TrajectoryInfo::of(trajectory)).collect();
     info.explanations = args.explain_bonds.then(|| Explanations::new(structure, args.bonds));
     Ok(info)
 }
@@ -155,6 +200,7 @@ fn summary(path: &Path, document: &Document, structure: &Structure, bonds: &[Bon
         chains: structure.chains().len(),
         residues: residues.len(),
         frames: document.frame_count(),
+        trajectories: Vec::new(),
         cell: structure.cell().map(|cell| {
             let ([a, b, c], [alpha, beta, gamma]) = (cell.lengths().map(tidy), cell.angles_deg().map(tidy));
             CellInfo { a, b, c, alpha, beta, gamma }
@@ -227,8 +273,15 @@ fn people_text(info: &Info) -> String {
     if info.records > 1 {
         row("records", format!("{} (this is the first)", info.records));
     }
-    if info.frames > 1 {
+    if info.frames > 1 || !info.trajectories.is_empty() {
         row("frames", info.frames.to_string());
+    }
+    for TrajectoryInfo { path, format, frames, first_ps, last_ps } in &info.trajectories {
+        let times = match (first_ps, last_ps) {
+            (Some(first), Some(last)) => format!(", {} to {} ps", round(*first, 1e3), round(*last, 1e3)),
+            _ => String::new(),
+        };
+        row(format, format!("{path}: {frames} frames{times}"));
     }
     if let Some(CellInfo { a, b, c, alpha, beta, gamma }) = &info.cell {
         let lengths = [a, b, c].map(|x| round(*x, 1e4).to_string()).join(" ");
@@ -274,7 +327,7 @@ mod tests {
     #[test]
     fn text_for_people_cannot_steer_their_terminal() {
         let text = b"1\nbad \x1b[2J title\nC 0 0 0\n";
-        let document = import::read_bytes(text, "a.xyz", &ImportOptions::default()).unwrap();
+        let document = crate::import::read_bytes(text, "a.xyz", &ImportOptions::default()).unwrap();
         let info = summary(Path::new("a.xyz"), &document, &document.records[0], &[]);
         let text = people_text(&info);
         assert!(text.contains("[2J title") && !text.contains('\x1b'), "{text:?}");

@@ -4,10 +4,11 @@ use super::args::{BondArgs, CellArg, CrystalArgs, Named, SelectArgs};
 use super::report::Report;
 use super::values::RecordChoice;
 use crate::bonds::{self, BondMode, BondOptions};
-use crate::crystal::{self, CellChoice, CrystalOptions, Drawn};
+use crate::crystal::{self, BondsPerFrame, CellChoice, CrystalOptions, Drawn, Fixed};
 use crate::error::{Error, Result};
+use crate::import::trajectory::{self, Input};
 use crate::import::{self, Document, Format, ImportOptions};
-use crate::structure::{Bond, BondKind, Structure};
+use crate::structure::{Bond, BondKind, Frame, Structure};
 use std::path::Path;
 use std::time::Instant;
 
@@ -18,12 +19,7 @@ pub(super) struct LoadSeconds {
     pub(super) bonds: f64,
 }
 
-/// Reads a file and says what its reader noticed.
-pub(super) fn read(path: &Path, report: &Report) -> Result<Document> {
-    read_as(path, None, report)
-}
-
-/// The same for a file of which the format is said.
+/// Reads a file, of which the format may be said, and says what its reader noticed.
 pub(super) fn read_as(path: &Path, format: Option<Format>, report: &Report) -> Result<Document> {
     let document = import::read_path(path, &ImportOptions { format, ..ImportOptions::default() })?;
     for diagnostic in &document.diagnostics {
@@ -32,16 +28,26 @@ pub(super) fn read_as(path: &Path, format: Option<Format>, report: &Report) -> R
     Ok(document)
 }
 
+/// Reads a structure and opens its trajectories, and says what their readers noticed.
+pub(super) fn read_input(input: &Input, report: &Report) -> Result<Document> {
+    let document = trajectory::read_input(input, &ImportOptions::default())?;
+    for diagnostic in &document.diagnostics {
+        report.diagnostic(&input.structure, diagnostic);
+    }
+    Ok(document)
+}
+
 /// What is drawn of a file, each structure with one frame and its bonds.
 pub(super) fn load_for_picture(
-    path: &Path,
+    input: &Input,
     select: &SelectArgs,
     (bond_args, crystal_args): (BondArgs, CrystalArgs),
     report: &Report,
     seconds: &mut LoadSeconds,
 ) -> Result<Vec<Drawn>> {
+    let path = &input.structure;
     let started = Instant::now();
-    let document = read(path, report)?;
+    let document = read_input(input, report)?;
     let select = match select {
         // One thing is drawn unless something is said.
         SelectArgs { frame: None, record: None } => {
@@ -50,13 +56,30 @@ pub(super) fn load_for_picture(
         select => select,
     };
     let is_mmcif = matches!(document.format, Format::Mmcif | Format::BinaryCif);
-    let mut structures = pick(document, select)?;
-    structures = structures.into_iter().filter_map(|structure| structure.with_only_frame(0)).collect();
+    let is_trajectory = !document.trajectories.is_empty();
+    let options = crystal_options(bond_args, crystal_args);
+    let is_fixed = document.has_frames() && options.bonds_per_frame.is_fixed(is_trajectory);
+    let mut parts: Vec<(Structure, Option<Frame>)> = Vec::new();
+    for (record, frame) in chosen(&document, select)? {
+        let frame = frame.unwrap_or(0);
+        parts.push(match (is_fixed, is_trajectory) {
+            (true, true) => (first_frame(&document, record)?, Some(document.trajectory_frame(frame)?)),
+            (true, false) => {
+                let own = document.records[record].frames().get(frame).cloned();
+                (first_frame(&document, record)?, own)
+            }
+            (false, true) => (document.at_frame(frame)?, None),
+            (false, false) => (document.records[record].at_frame(frame).ok_or_else(|| document.missing(frame))?, None),
+        });
+    }
+    drop(document);
     seconds.read += started.elapsed().as_secs_f64();
     let started = Instant::now();
-    let drawn: Result<Vec<Drawn>> =
-        structures.into_iter().map(|structure| drawn(structure, bond_args, crystal_args)).collect();
-    let drawn = drawn?;
+    let drawn = |(structure, frame): (Structure, Option<Frame>)| match frame {
+        Some(frame) => Fixed::new(structure, &options).draw(frame),
+        None => crystal::draw(structure, &options),
+    };
+    let drawn: Vec<Drawn> = parts.into_iter().map(drawn).collect::<Result<_>>()?;
     let is_asked = crystal_args.supercell.is_several() || crystal_args.cell == CellArg::Full;
     if is_asked && !drawn.iter().any(|drawn| drawn.is_cell_content) {
         let why = match drawn.iter().any(|drawn| drawn.cell.is_some()) {
@@ -75,9 +98,8 @@ pub(super) fn load_for_picture(
     Ok(drawn)
 }
 
-/// What is drawn of a structure.
-fn drawn(structure: Structure, bond_args: BondArgs, args: CrystalArgs) -> Result<Drawn> {
-    crystal::draw(structure, &crystal_options(bond_args, args))
+fn first_frame(document: &Document, record: usize) -> Result<Structure> {
+    document.records.get(record).and_then(|structure| structure.at_frame(0)).ok_or_else(|| document.missing(0))
 }
 
 /// The options that the flags of bonds and crystals stand for.
@@ -86,47 +108,61 @@ pub(super) fn crystal_options(bond_args: BondArgs, args: CrystalArgs) -> Crystal
         cell: CellChoice::from_name(&args.cell.name()).unwrap_or_default(),
         supercell: args.supercell.0,
         bonds: bond_options(bond_args),
+        bonds_per_frame: BondsPerFrame::from_name(&args.bonds_per_frame.name()).unwrap_or_default(),
         ..CrystalOptions::default()
     }
 }
 
 /// The records, or the one, that is asked for; with a frame asked for, that frame alone.
 pub(super) fn pick(document: Document, select: &SelectArgs) -> Result<Vec<Structure>> {
+    let chosen = chosen(&document, select)?;
+    let mut records: Vec<Option<Structure>> = document.records.into_iter().map(Some).collect();
+    let part = |(record, frame): (usize, Option<usize>)| {
+        let structure = records.get_mut(record).and_then(Option::take)?;
+        match frame {
+            Some(frame) => structure.with_only_frame(frame),
+            None => Some(structure),
+        }
+    };
+    Ok(chosen.into_iter().filter_map(part).collect())
+}
+
+/// Which records are asked for, and which frame of each, from 0; no frame where all are meant. All of them are there.
+fn chosen(document: &Document, select: &SelectArgs) -> Result<Vec<(usize, Option<usize>)>> {
     let number = |n: std::num::NonZeroU32| usize::try_from(n.get()).unwrap_or(usize::MAX);
-    let frames_in_all = document.frame_count();
     let missing = |what: &str, asked: usize, there: usize| {
         Error::input(None, format!("{what} {asked} is asked for, but there are only {there}"))
     };
-    let mut records = document.records;
-    match (select.record, select.frame) {
-        (None, None) | (Some(RecordChoice::All), None) => {}
-        (Some(RecordChoice::Number(record)), _) => {
-            let (record, count) = (number(record), records.len());
+    let frame = select.frame.map(|frame| number(frame) - 1);
+    let records = match select.record {
+        Some(RecordChoice::Number(record)) => {
+            let (record, count) = (number(record), document.records.len());
             if record > count {
                 return Err(missing("record", record, count));
             }
-            records = vec![records.swap_remove(record - 1)];
+            record - 1..record
         }
-        (None, Some(frame)) => {
-            let asked = number(frame);
-            let mut rest = asked - 1;
-            for record in records {
-                let frames = record.frames().len();
-                if rest < frames {
-                    return Ok(record.with_only_frame(rest).into_iter().collect());
-                }
-                rest -= frames;
-            }
-            return Err(missing("frame", asked, frames_in_all));
-        }
-        (Some(RecordChoice::All), Some(_)) => {}
-    }
-    let Some(frame) = select.frame.map(number) else { return Ok(records) };
-    let with_frame = |record: Structure| {
-        let there = record.frames().len();
-        record.with_only_frame(frame - 1).ok_or_else(|| missing("frame", frame, there))
+        _ => 0..document.records.len(),
     };
-    records.into_iter().map(with_frame).collect()
+    if !document.trajectories.is_empty() {
+        // Looks no further than the frame.
+        document.check_frame(frame.unwrap_or(0))?;
+        return Ok(vec![(0, frame)]);
+    }
+    match (select.record, frame) {
+        (None, Some(frame)) => {
+            let (record, own) = document.frame(frame).ok_or_else(|| document.missing(frame))?;
+            Ok(vec![(record, Some(own))])
+        }
+        (_, None) => Ok(records.map(|record| (record, None)).collect()),
+        (Some(_), Some(frame)) => {
+            let with_frame = |record: usize| match document.records[record].frames().len() {
+                there if frame < there => Ok((record, Some(frame))),
+                there => Err(missing("frame", frame + 1, there)),
+            };
+            records.map(with_frame).collect()
+        }
+    }
 }
 
 /// The options that `--bonds` stands for.

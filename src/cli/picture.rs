@@ -14,9 +14,9 @@ use crate::crystal::Drawn;
 use crate::error::{Error, Result};
 use crate::export::atomic;
 use crate::export::picture::{PictureFormat, PictureOptions};
+use crate::import::trajectory::Input;
 use crate::render::image::{GBuffer, Image, SkyVisibility};
 use serde::Serialize;
-use std::path::PathBuf;
 use std::time::Instant;
 
 /// What a renderer hands back.
@@ -128,7 +128,7 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
         match result {
             Ok(()) => {}
             Err(error) if atomic::is_broken_pipe(&error) => return Ok(()),
-            Err(error) => report.fail(&picture.inputs[0], &error),
+            Err(error) => report.fail(&picture.inputs[0].structure, &error),
         }
     }
     Ok(())
@@ -144,7 +144,7 @@ fn one_picture(
     let started = Instant::now();
     let mut seconds = LoadSeconds::default();
     let mut drawn = Vec::new();
-    let mut drawn_inputs: Vec<&PathBuf> = Vec::new();
+    let mut drawn_inputs: Vec<&Input> = Vec::new();
     for input in &picture.inputs {
         match super::guarded(|| load_for_picture(input, &args.select, (args.bonds, args.crystal), report, &mut seconds))
         {
@@ -152,7 +152,7 @@ fn one_picture(
                 drawn.extend(loaded);
                 drawn_inputs.push(input);
             }
-            Err(error) => report.fail(input, &error),
+            Err(error) => report.fail(&input.structure, &error),
         }
     }
     if drawn_inputs.is_empty() {
@@ -216,7 +216,7 @@ fn one_picture(
 fn metadata(
     args: &RenderArgs,
     size: Size,
-    inputs: &[&PathBuf],
+    inputs: &[&Input],
     drawn: &[Drawn],
     renderer: &str,
 ) -> Vec<(String, String)> {
@@ -231,13 +231,13 @@ fn metadata(
 }
 
 /// The settings by the names of their flags.
-fn settings(args: &RenderArgs, size: Size, inputs: &[&PathBuf]) -> serde_json::Value {
+fn settings(args: &RenderArgs, size: Size, inputs: &[&Input]) -> serde_json::Value {
     let RenderArgs { look, select, .. } = args;
     let text = |value: Option<&dyn std::fmt::Display>| value.map(ToString::to_string);
     fn texts<T: std::fmt::Display>(all: &[T]) -> Vec<String> {
         all.iter().map(T::to_string).collect()
     }
-    let inputs: Vec<_> = inputs.iter().map(|input| input.to_string_lossy()).collect();
+    let inputs: Vec<_> = inputs.iter().flat_map(|input| input.files()).map(|file| file.to_string_lossy()).collect();
     let labels: Vec<_> = look.text.label.iter().map(Named::name).collect();
     serde_json::json!({
         "files": inputs,
@@ -293,6 +293,7 @@ fn settings(args: &RenderArgs, size: Size, inputs: &[&PathBuf]) -> serde_json::V
         "scale-bar": look.text.scale_bar,
         "bonds": args.bonds.bonds.name(),
         "hbonds": args.bonds.hbonds,
+        "bonds-per-frame": args.crystal.bonds_per_frame.name(),
         "frame": select.frame,
         "record": text(select.record.as_ref().map(|r| r as _)),
     })

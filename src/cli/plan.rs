@@ -1,6 +1,7 @@
 //! Which inputs go into which picture.
 
 use crate::export::picture::PictureFormat;
+use crate::import::trajectory::{Input, inputs};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -20,7 +21,7 @@ pub(super) struct Plan {
 
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Picture {
-    pub(super) inputs: Vec<PathBuf>,
+    pub(super) inputs: Vec<Input>,
     pub(super) output: PathBuf,
 }
 
@@ -42,7 +43,7 @@ pub(super) fn plan(files: &[PathBuf], output: &Path, to: Option<&str>) -> Result
     let to = to.transpose()?;
     let by_name = || PictureFormat::from_path(output).map_err(|error| error.to_string());
     let one = |format| {
-        let pictures = vec![Picture { inputs: files.to_vec(), output: output.to_owned() }];
+        let pictures = vec![Picture { inputs: inputs(files), output: output.to_owned() }];
         Ok(Plan { pictures, clashes: Vec::new(), new_folder: None, format })
     };
     let text = output.to_string_lossy();
@@ -67,14 +68,14 @@ pub(super) fn plan(files: &[PathBuf], output: &Path, to: Option<&str>) -> Result
 
 fn each(files: &[PathBuf], pattern: &str, format: PictureFormat, new_folder: Option<PathBuf>) -> Plan {
     let mut plan = Plan { pictures: Vec::new(), clashes: Vec::new(), new_folder, format };
-    let mut taken: HashMap<PathBuf, &PathBuf> = HashMap::new();
-    for input in files {
-        let output = PathBuf::from(pattern.replace(STEM, &stem(input)));
+    let mut taken: HashMap<PathBuf, PathBuf> = HashMap::new();
+    for input in inputs(files) {
+        let output = PathBuf::from(pattern.replace(STEM, &stem(&input.structure)));
         match taken.get(&output) {
-            Some(&earlier) => plan.clashes.push(Clash { input: input.clone(), output, earlier: earlier.clone() }),
+            Some(earlier) => plan.clashes.push(Clash { input: input.structure, output, earlier: earlier.clone() }),
             None => {
-                taken.insert(output.clone(), input);
-                plan.pictures.push(Picture { inputs: vec![input.clone()], output });
+                taken.insert(output.clone(), input.structure.clone());
+                plan.pictures.push(Picture { inputs: vec![input], output });
             }
         }
     }
@@ -97,6 +98,15 @@ fn stem(path: &Path) -> String {
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_trajectory_belongs_to_the_structure_before_it() {
+        // By their names: none of them is there.
+        let files = paths(&["a.pdb", "a.xtc", "b.gro", "b.trr"]);
+        let plan = plan(&files, Path::new("o/"), None).unwrap();
+        assert_eq!(outputs(&plan), ["o/a.png", "o/b.png"]);
+        assert_eq!(plan.pictures[1].inputs[0].trajectories, paths(&["b.trr"]));
+    }
+
     fn paths(names: &[&str]) -> Vec<PathBuf> {
         names.iter().map(PathBuf::from).collect()
     }
@@ -109,7 +119,7 @@ mod tests {
     fn a_file_takes_all_inputs() {
         let plan = plan(&paths(&["a.sdf", "b.sdf"]), Path::new("fig.webp"), None).unwrap();
         assert_eq!((plan.pictures.len(), plan.format), (1, PictureFormat::WebP));
-        assert_eq!(plan.pictures[0].inputs, paths(&["a.sdf", "b.sdf"]));
+        assert_eq!(plan.pictures[0].inputs, [Input::of("a.sdf".into()), Input::of("b.sdf".into())]);
     }
 
     #[test]

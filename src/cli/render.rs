@@ -287,9 +287,9 @@ pub(super) fn window_options(
     report: &super::report::Report,
 ) -> Result<crate::app::Options> {
     let needs_structure = args.look.axis.is_some() || VectorChoice::from_name(&args.look.vectors) != VectorChoice::None;
-    let drawn = match args.files.first().filter(|_| needs_structure) {
-        Some(file) => super::load::load_for_picture(
-            file,
+    let drawn = match import::trajectory::inputs(&args.files).first().filter(|_| needs_structure) {
+        Some(input) => super::load::load_for_picture(
+            input,
             &Default::default(),
             (args.bonds, args.crystal),
             report,

@@ -8,10 +8,15 @@
 //! - a network that never ends (quartz, rock salt, a metal, a framework) is drawn as the content of the cell, its
 //!   atoms on a face on all equivalent faces, and its bonds to what is outside cut at the faces.
 //!
-//! Limits: orthogonal and skew cells alike, but only first frames; the order of atoms in what is drawn is the file's, copy by copy.
+//! Of a molecule with many frames the bonds may be found once ([`Fixed`]).
+//!
+//! Limits: the order of atoms in what is drawn is the file's, copy by copy.
 
+mod fixed;
 mod lattice;
 mod molecules;
+
+pub use fixed::{BondsPerFrame, Fixed};
 
 use crate::bonds::{self, BondOptions};
 use crate::error::{Error, Result};
@@ -62,6 +67,8 @@ pub struct CrystalOptions {
     pub supercell: [u32; 3],
     /// How bonds are found.
     pub bonds: BondOptions,
+    /// In which of several frames they are found. Default: [`BondsPerFrame::Auto`].
+    pub bonds_per_frame: BondsPerFrame,
     /// Most atoms drawn. Default: 50,000,000.
     pub most_atoms: usize,
 }
@@ -72,6 +79,7 @@ impl Default for CrystalOptions {
             cell: CellChoice::default(),
             supercell: [1; 3],
             bonds: BondOptions::default(),
+            bonds_per_frame: BondsPerFrame::default(),
             most_atoms: 50_000_000,
         }
     }
@@ -104,14 +112,24 @@ pub struct Drawn {
     pub listed: Vec<u32>,
     /// Whether the cell belongs in the picture: a network is drawn, or whole cells are asked for.
     pub is_cell_content: bool,
+    /// Frames of one molecule that differ in their positions and cells alone have the same number, and nothing else has it; 0 for what is
+    /// no such frame.
+    pub kind: u64,
 }
 
 impl Drawn {
     /// A structure as it is.
     #[must_use]
     pub fn as_listed(structure: Structure) -> Drawn {
-        let (cell, lattice) = (structure.cell().copied(), lattice::atoms(&structure));
-        Drawn { structure, stubs: Vec::new(), cell, lattice, listed: Vec::new(), is_cell_content: false }
+        let lattice = lattice::atoms(&structure);
+        Drawn { lattice, ..Drawn::plain(structure) }
+    }
+
+    /// The same without looking for a lattice.
+    fn plain(structure: Structure) -> Drawn {
+        let cell = structure.cell().copied();
+        let (stubs, lattice, listed) = (Vec::new(), Vec::new(), Vec::new());
+        Drawn { structure, stubs, cell, lattice, listed, is_cell_content: false, kind: 0 }
     }
 }
 
@@ -124,9 +142,7 @@ const ON_FACE: f64 = 0.1;
 /// # Errors
 /// [`Error::Limit`] if that would be more than [`CrystalOptions::most_atoms`].
 pub fn draw(structure: Structure, options: &CrystalOptions) -> Result<Drawn> {
-    let supercell = options.supercell.map(|count| count.max(1));
-    let several = supercell != [1; 3];
-    let choice = if several && options.cell == CellChoice::Molecule { CellChoice::Full } else { options.cell };
+    let (choice, _) = options.choice();
     let listed = structure.atom_count();
     let (structure, original) = match choice {
         CellChoice::Asym => (structure, None),
@@ -135,6 +151,23 @@ pub fn draw(structure: Structure, options: &CrystalOptions) -> Result<Drawn> {
         CellChoice::Molecule | CellChoice::Full => apply_symmetry(structure, options.most_atoms)?,
     };
     let structure = bonds::assign(structure, &options.bonds);
+    place(structure, original, listed, options)
+}
+
+impl CrystalOptions {
+    /// What is drawn, and how many cells.
+    fn choice(&self) -> (CellChoice, [u32; 3]) {
+        let supercell = self.supercell.map(|count| count.max(1));
+        let is_several = supercell != [1; 3] && self.cell == CellChoice::Molecule;
+        (if is_several { CellChoice::Full } else { self.cell }, supercell)
+    }
+}
+
+/// What is drawn of a structure with its bonds, of whose atoms the first `listed` ones are those of the file, and `original` says which one of
+/// these each is an image of.
+fn place(structure: Structure, original: Option<Vec<u32>>, listed: usize, options: &CrystalOptions) -> Result<Drawn> {
+    let (choice, supercell) = options.choice();
+    let several = supercell != [1; 3];
     let is_cut = structure.bonds().iter().any(Bond::is_periodic);
     let Some(cell) = structure.lattice(0).copied() else {
         let listed = original.unwrap_or_default();
@@ -303,7 +336,7 @@ impl Plan {
         }
         let listed = sources.iter().map(|&(atom, _)| atom).collect();
         let structure = structure.gather(&sources, whole).with_bonds(bonds);
-        Drawn { structure, stubs, cell: whole, lattice, listed, is_cell_content: false }
+        Drawn { structure, stubs, cell: whole, lattice, listed, is_cell_content: false, kind: 0 }
     }
 }
 

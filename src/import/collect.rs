@@ -113,7 +113,7 @@ impl Records {
         if self.list.is_empty() {
             return Err(Error::input(None, format!("no molecule was found in the file (read as {format})")));
         }
-        Ok(Document { format, records: self.list, diagnostics: diagnostics.into_list() })
+        Ok(Document { format, records: self.list, trajectories: Vec::new(), diagnostics: diagnostics.into_list() })
     }
 }
 

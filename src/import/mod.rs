@@ -3,7 +3,8 @@
 //! Way of a file: bytes → decompression (`decompress`) → text (byte order mark, UTF-16, line ends: `text`) → format
 //! by content, then by extension (`detect`) → the format's reader → records and frames (`collect`).
 //!
-//! Triangle meshes, which are no molecules, have a way of their own: [`mesh`].
+//! Triangle meshes, which are no molecules, have a way of their own: [`mesh`]. So have trajectories, whose atoms another file lists: [`trajectory`].
+//! Frames come from a [`Document`] wherever they are, in memory or in a trajectory on disk: [`Document::at_frame`].
 //!
 //! Readers never guess bonds: they hand on those the file states and say whether the list is whole. They are lenient
 //! in layout and strict in values: what cannot be read is left out, with a diagnostic that names the line. An
@@ -30,12 +31,15 @@ mod poscar;
 mod sdf;
 mod symbol;
 mod text;
+pub mod trajectory;
 mod xyz;
 
 use crate::error::{Error, Result};
-use crate::structure::{Diagnostic, Diagnostics, Structure};
+use crate::structure::{Diagnostic, Diagnostics, Frame, Structure};
 use std::io::Read;
 use std::path::Path;
+use std::sync::Arc;
+use trajectory::{Trajectory, TrajectoryFormat};
 
 /// How to read.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -219,27 +223,41 @@ pub struct Document {
     /// The records, at least one. Frames (of XYZ, models of PDB) that follow one another with the same atoms are
     /// frames of one record; records of an SD file stay records.
     pub records: Vec<Structure>,
+    /// Files with the positions of the first record's atoms: if there are any, their frames are those of the document.
+    pub trajectories: Vec<Arc<Trajectory>>,
     /// What the reader noticed.
     pub diagnostics: Vec<Diagnostic>,
 }
 
 impl Document {
-    /// Number of frames, all records together.
+    /// Number of frames, all records together. Of trajectories those that are known so far ([`Trajectory::known_frames`]).
     #[must_use]
     pub fn frame_count(&self) -> usize {
-        self.records.iter().map(|record| record.frames().len()).sum()
+        match self.trajectories.as_slice() {
+            [] => self.records.iter().map(|record| record.frames().len()).sum(),
+            trajectories => trajectories.iter().map(|trajectory| trajectory.known_frames()).sum(),
+        }
     }
 
-    /// The structure of frame `index` (from 0, all records together), with that frame alone; `None` if there is no such frame.
-    #[must_use]
-    pub fn at_frame(&self, index: usize) -> Option<Structure> {
-        let (record, frame) = self.frame(index)?;
-        self.records.get(record)?.at_frame(frame)
+    /// The structure of frame `index` (from 0, all records together), with that frame alone.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if there is no such frame, or that of a trajectory is damaged; [`Error::Io`] if it cannot be read any more.
+    pub fn at_frame(&self, index: usize) -> Result<Structure> {
+        let structure = match (self.trajectories.is_empty(), self.records.first()) {
+            (false, Some(structure)) => Some(structure.with_frame(self.trajectory_frame(index)?).without_symmetry()),
+            _ => self.frame(index).and_then(|(record, frame)| self.records.get(record)?.at_frame(frame)),
+        };
+        structure.ok_or_else(|| self.missing(index))
     }
 
-    /// Record, and frame in that record, of frame `index` (from 0) of the file; `None` if there is no such frame.
+    /// Record, and frame in that record, of frame `index` (from 0) of the file; `None` if there is no such frame. Frames of trajectories are in
+    /// no record.
     #[must_use]
     pub fn frame(&self, index: usize) -> Option<(usize, usize)> {
+        if !self.trajectories.is_empty() {
+            return None;
+        }
         let mut rest = index;
         for (record, structure) in self.records.iter().enumerate() {
             let frames = structure.frames().len();
@@ -249,6 +267,65 @@ impl Document {
             rest -= frames;
         }
         None
+    }
+
+    /// Frame `index` (from 0) of the trajectories together.
+    ///
+    /// # Errors
+    /// As [`Document::at_frame`].
+    pub fn trajectory_frame(&self, index: usize) -> Result<Frame> {
+        match self.trajectory_of(index)? {
+            Some((trajectory, frame)) => trajectory.frame(frame),
+            None => Err(self.missing(index)),
+        }
+    }
+
+    /// An error that says how many frames there are if there is none of this number, from 0.
+    pub(crate) fn check_frame(&self, index: usize) -> Result<()> {
+        let is_there = match self.trajectories.is_empty() {
+            true => self.frame(index).is_some(),
+            false => self.trajectory_of(index)?.is_some(),
+        };
+        if is_there { Ok(()) } else { Err(self.missing(index)) }
+    }
+
+    /// The frame of this number, or the last one that is known if there is none.
+    pub(crate) fn nearest_frame(&self, index: usize) -> usize {
+        if self.check_frame(index).is_ok() { index } else { self.frame_count().saturating_sub(1) }
+    }
+
+    /// Whether there is more than one frame, or a trajectory.
+    pub(crate) fn has_frames(&self) -> bool {
+        !self.trajectories.is_empty() || self.frame_count() > 1
+    }
+
+    /// The time of frame `index` (from 0) in picoseconds, if its file says one.
+    #[must_use]
+    pub fn time_ps(&self, index: usize) -> Option<f64> {
+        if self.trajectories.is_empty() {
+            let (record, frame) = self.frame(index)?;
+            return self.records.get(record)?.frames().get(frame)?.time_ps;
+        }
+        let (trajectory, frame) = self.trajectory_of(index).ok()??;
+        trajectory.time_ps(frame).ok()?
+    }
+
+    /// The trajectory that frame `index` is in, and its number there. The frames of all but the last one with it must be counted.
+    fn trajectory_of(&self, index: usize) -> Result<Option<(&Trajectory, usize)>> {
+        let mut rest = index;
+        for trajectory in &self.trajectories {
+            if trajectory.has_frame(rest)? {
+                return Ok(Some((trajectory, rest)));
+            }
+            rest -= trajectory.known_frames();
+        }
+        Ok(None)
+    }
+
+    /// What is said where there is no frame of this number, from 0.
+    pub(crate) fn missing(&self, index: usize) -> Error {
+        let (asked, there) = (index.saturating_add(1), self.frame_count());
+        Error::input(None, format!("frame {asked} is asked for, but there are only {there}"))
     }
 }
 
@@ -266,6 +343,7 @@ pub fn read_path(path: &Path, options: &ImportOptions) -> Result<Document> {
         bytes
     } else {
         let file = std::fs::File::open(path).map_err(io_error)?;
+        trajectory::refuse_alone(path)?;
         let size = file.metadata().map_or(0, |metadata| metadata.len());
         if size > limit {
             return Err(too_large(limit));
@@ -315,6 +393,9 @@ fn read_plain(
     options: &ImportOptions,
     mut diagnostics: Diagnostics,
 ) -> Result<Document> {
+    if let Some(format) = TrajectoryFormat::of(bytes) {
+        return Err(trajectory::needs_structure(format, name_hint));
+    }
     if options.format == Some(Format::BinaryCif) || options.format.is_none() && bcif::is_binary_cif(bytes) {
         detect::warn_of_name(Format::BinaryCif, name_hint, &mut diagnostics);
         let mut records = collect::Records::new(&options.limits);

@@ -29,7 +29,7 @@ mod test_solids;
 pub mod tubes;
 
 pub use image::{GBuffer, Image, SkyVisibility};
-pub use pick::Picker;
+pub use pick::{Hit, Picker};
 pub use select::{Choice, Selection, select};
 pub use settings::{Quality, Settings, View};
 

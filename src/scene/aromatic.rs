@@ -69,18 +69,48 @@ const ROOM: f32 = 0.1;
 /// How much darker than the mean of its atoms a ring is, in linear light, so that it stands out from the sticks; by eye.
 const DARKER: f32 = 0.6;
 
-/// The rings inside rings.
+/// The rings that have a ring inside: which atoms they are, not where.
 #[derive(Debug, Default)]
 pub(super) struct Rings {
-    /// Each with the id of its first bond.
-    pub(super) tori: Vec<TorusInstance>,
+    list: Vec<Ring>,
     /// Whether a bond is in one of them; empty if none is.
     has_ring: Vec<bool>,
+}
+
+#[derive(Debug)]
+struct Ring {
+    atoms: Vec<u32>,
+    color: Srgb8,
+    /// Index of its first bond.
+    first: u32,
+    /// Radii of its sticks, and of the tube of the ring inside.
+    radii: [f32; 2],
 }
 
 impl Rings {
     pub(super) fn has(&self, bond: u32) -> bool {
         self.has_ring.get(bond as usize).is_some_and(|&has| has)
+    }
+
+    /// What is drawn of them where the atoms are, each with the id of its first bond. A ring that has been bent since it was found keeps its
+    /// ring inside, which would come and go otherwise.
+    pub(super) fn tori(&self, positions: &[Vec3], id_of_bond: impl Fn(u32) -> u32) -> Vec<TorusInstance> {
+        let torus = |ring: &Ring| {
+            let points: Vec<Vec3> = ring.atoms.iter().map(|&atom| positions[atom as usize]).collect();
+            let (center, axis, _) = plane(&points)?;
+            let [_, tube_radius] = ring.radii;
+            let ring_radius = inner_radius(&points, center, ring.radii).max(2.0 * tube_radius);
+            Some(TorusInstance {
+                center: center.to_array(),
+                ring_radius,
+                axis: axis.to_array(),
+                tube_radius,
+                color: ring.color,
+                id: id_of_bond(ring.first),
+                reserved: [0; 2],
+            })
+        };
+        self.list.iter().filter_map(torus).collect()
     }
 }
 
@@ -91,7 +121,6 @@ pub(super) fn rings(
     colors: &[Srgb8],
     radii: impl Fn(&[u32]) -> Option<[f32; 2]>,
     is_drawn: impl Fn(&Bond) -> bool,
-    id_of_bond: impl Fn(u32) -> u32,
 ) -> Rings {
     let is_aromatic = |bond: &Bond| bond.aromatic && bond.kind == BondKind::Covalent && is_drawn(bond);
     let (indices, aromatic): (Vec<u32>, Vec<Bond>) = (0u32..)
@@ -108,37 +137,34 @@ pub(super) fn rings(
         if !ATOMS.contains(&ring.atoms.len()) {
             continue;
         }
-        let Some([stick_radius, tube_radius]) = radii(&ring.atoms) else { continue };
+        let Some(radii) = radii(&ring.atoms) else { continue };
         let points: Vec<Vec3> = ring.atoms.iter().map(|&atom| positions[atom as usize]).collect();
-        let Some((center, axis)) = plane(&points) else { continue };
-        let count = points.len();
-        let reach = points.iter().map(|point| point.distance(center)).sum::<f32>() / count as f32;
-        let nearest = (0..count).map(|i| ((points[i] + points[(i + 1) % count]) * 0.5).distance(center));
-        let free = nearest.fold(f32::INFINITY, f32::min) - stick_radius - ROOM - tube_radius;
-        let ring_radius = (PART * reach).min(free);
-        if ring_radius < 3.0 * tube_radius {
+        let Some((center, _, is_flat)) = plane(&points) else { continue };
+        if !is_flat || inner_radius(&points, center, radii) < 3.0 * radii[1] {
             continue;
         }
         let first = ring.bonds.iter().map(|&bond| indices[bond as usize]).min().unwrap_or(0);
-        rings.tori.push(TorusInstance {
-            center: center.to_array(),
-            ring_radius,
-            axis: axis.to_array(),
-            tube_radius,
-            color: mean(ring.atoms.iter().map(|&atom| colors[atom as usize])),
-            id: id_of_bond(first),
-            reserved: [0; 2],
-        });
         rings.has_ring.resize(structure.bonds().len(), false);
         for bond in ring.bonds {
             rings.has_ring[indices[bond as usize] as usize] = true;
         }
+        let color = mean(ring.atoms.iter().map(|&atom| colors[atom as usize]));
+        rings.list.push(Ring { atoms: ring.atoms, color, first, radii });
     }
     rings
 }
 
-/// Centre and normal of the plane that fits points best; `None` if they are not flat.
-fn plane(points: &[Vec3]) -> Option<(Vec3, Vec3)> {
+/// Radius of the ring inside a ring of atoms.
+fn inner_radius(points: &[Vec3], center: Vec3, [stick_radius, tube_radius]: [f32; 2]) -> f32 {
+    let count = points.len();
+    let reach = points.iter().map(|point| point.distance(center)).sum::<f32>() / count as f32;
+    let nearest = (0..count).map(|i| ((points[i] + points[(i + 1) % count]) * 0.5).distance(center));
+    let free = nearest.fold(f32::INFINITY, f32::min) - stick_radius - ROOM - tube_radius;
+    (PART * reach).min(free)
+}
+
+/// Centre and normal of the plane that fits points best, and whether they are flat; `None` if they are nowhere.
+fn plane(points: &[Vec3]) -> Option<(Vec3, Vec3, bool)> {
     let count = points.len() as f64;
     let center = points.iter().map(|point| point.as_dvec3()).sum::<DVec3>() / count;
     let mut covariance = DMat3::ZERO;
@@ -150,7 +176,7 @@ fn plane(points: &[Vec3]) -> Option<(Vec3, Vec3)> {
     let (values, axes) = eigen_symmetric(covariance);
     let least = (0..3).min_by(|&i, &j| values[i].total_cmp(&values[j]))?;
     let is_flat = values[least] <= FLAT * FLAT;
-    is_flat.then(|| (center.as_vec3(), axes[least].as_vec3().normalize_or(Vec3::Z)))
+    center.is_finite().then(|| (center.as_vec3(), axes[least].as_vec3().normalize_or(Vec3::Z), is_flat))
 }
 
 fn mean(colors: impl ExactSizeIterator<Item = Srgb8>) -> Srgb8 {

@@ -15,96 +15,175 @@ use crate::crystal::Stub;
 use crate::structure::{Bond, BondKind, BondOrder, ByAtom, atom_flags};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::collections::HashMap;
 
-pub(super) fn build(item: &Item<'_>, options: &SceneOptions, chosen: &Chosen) -> Block {
-    let structure = item.structure;
-    let positions = structure.positions().relative();
-    let atom_count = structure.atom_count();
-    let is_shown = |atom: u32| chosen.is_shown(atom as usize);
-    // Where nothing repeats in the picture, a bond to an image has no end.
-    let is_drawn = |bond: &Bond| !bond.is_periodic() && is_shown(bond.a) && is_shown(bond.b);
-    let colors = &chosen.colors;
-    let sizes = Sizes { ball: options.ball_scale, stick: options.stick_scale };
-    let neighbours = sticks::neighbours(atom_count, structure.bonds(), is_drawn);
-    let stubs: Vec<&Stub> = item.stubs.iter().filter(|stub| is_drawn(&stub.bond)).collect();
-    let mut has_stub = vec![false; if stubs.is_empty() { 0 } else { atom_count }];
-    for stub in &stubs {
-        has_stub[stub.bond.a as usize] = true;
-    }
-    let radius_of = |atom: u32| {
-        let bonded = !neighbours.of(atom as usize).is_empty() || has_stub.get(atom as usize).is_some_and(|&has| has);
-        let radius = sizes.ball(chosen.style(atom as usize), structure.elements()[atom as usize], bonded);
-        // Lone pairs and the like are drawn small, whatever the style.
-        if structure.flags(atom as usize) & atom_flags::PARTICLE == 0 { radius } else { radius.min(0.12) }
-    };
-    let last = u32::try_from(atom_count).unwrap_or(u32::MAX);
-    let spheres: Vec<SphereInstance> = (0..last)
-        .into_par_iter()
-        .with_min_len(4096)
-        .filter(|&atom| is_shown(atom))
-        .map(|atom| SphereInstance {
-            center: positions[atom as usize].to_array(),
-            radius: radius_of(atom),
-            color: colors[atom as usize],
-            id: atom + 1,
-        })
-        .collect();
-    let artist = Artist {
-        chosen,
-        sizes,
-        aromatic: options.aromatic,
-        positions,
-        colors,
-        neighbours: &neighbours,
-        ball_radius: &radius_of,
-        lattice: item.lattice,
-    };
-    let groups = if options.haptic { haptic::groups(structure, positions, &neighbours, is_drawn) } else { Vec::new() };
-    let in_group: std::collections::HashSet<u32> =
-        groups.iter().flat_map(|group| group.bonds.iter().copied()).collect();
-    let id_of_bond = |index: u32| last.saturating_add(index).saturating_add(1);
-    let rings = if options.aromatic == Aromatic::Ring {
-        let radii = |atoms: &[u32]| {
-            let style = atoms.iter().map(|&atom| chosen.style(atom as usize)).reduce(Style::thinner)?;
-            let stick = sizes.stick(style, BondKind::Covalent)?;
-            // Half of a stick of a double bond.
-            Some([stick, 0.3 * stick.min(sizes.multiple(style))])
+/// All of a structure's balls and sticks that its positions do not decide: which atoms are drawn, their radii and colours, who is bonded to whom, the rings.
+/// It is the same in all frames with the same bonds, and most of the time of making a scene goes into it.
+pub(super) struct Rig {
+    /// Tells structures that differ in their positions alone from others; 0 for none.
+    kind: u64,
+    /// The bonds it was made for, of such a structure.
+    bonds: Vec<Bond>,
+    chosen: Chosen,
+    sizes: Sizes,
+    neighbours: ByAtom<u32>,
+    radii: Vec<f32>,
+    /// The ring that each bond with several sticks is in, by the index of the bond.
+    ring_of_bond: Vec<(u32, Box<[u32]>)>,
+    /// The rings with a ring inside.
+    rings: aromatic::Rings,
+    wedges: HashMap<u32, Wedge>,
+    /// Whether there are metals with one stick to a ring, which are found by positions.
+    has_groups: bool,
+}
+
+impl Rig {
+    pub(super) fn new(item: &Item<'_>, options: &SceneOptions, chosen: Chosen) -> Rig {
+        let structure = item.structure;
+        let atom_count = structure.atom_count();
+        let is_drawn = |bond: &Bond| is_drawn(&chosen, bond);
+        let sizes = Sizes { ball: options.ball_scale, stick: options.stick_scale };
+        let neighbours = sticks::neighbours(atom_count, structure.bonds(), is_drawn);
+        let mut has_stub = vec![false; if item.stubs.is_empty() { 0 } else { atom_count }];
+        for stub in item.stubs.iter().filter(|stub| is_drawn(&stub.bond)) {
+            has_stub[stub.bond.a as usize] = true;
+        }
+        let radius_of = |atom: usize| {
+            let bonded = !neighbours.of(atom).is_empty() || has_stub.get(atom).is_some_and(|&has| has);
+            let radius = sizes.ball(chosen.style(atom), structure.elements()[atom], bonded);
+            // Lone pairs and the like are drawn small, whatever the style.
+            if structure.flags(atom) & atom_flags::PARTICLE == 0 { radius } else { radius.min(0.12) }
         };
-        aromatic::rings(structure, colors, radii, is_drawn, id_of_bond)
-    } else {
-        aromatic::Rings::default()
-    };
-    let mut wedges = wedges::wedges(structure);
-    wedges.retain(|&index, _| {
-        let bond = &structure.bonds()[index as usize];
-        is_drawn(bond) && bond.order == BondOrder::Single && bond.kind == BondKind::Covalent && !bond.aromatic
-    });
-    let mut cylinders: Vec<CylinderInstance> = (structure.bonds().par_iter().enumerate())
-        .with_min_len(4096)
-        .map(|(index, bond)| (index as u32, bond))
-        .filter(|(index, bond)| is_drawn(bond) && !in_group.contains(index) && !wedges.contains_key(index))
-        .flat_map_iter(|(index, bond)| {
-            let mut sticks = Vec::new();
-            artist.bond(bond, rings.has(index), id_of_bond(index), |stick| sticks.push(stick));
-            sticks
-        })
-        .collect();
-    for group in &groups {
-        artist.haptic(group, id_of_bond(group.bonds[0]), |stick| cylinders.push(stick));
+        let radii = (0..atom_count).into_par_iter().with_min_len(4096).map(radius_of).collect();
+        let rings = if options.aromatic == Aromatic::Ring {
+            let radii = |atoms: &[u32]| {
+                let style = atoms.iter().map(|&atom| chosen.style(atom as usize)).reduce(Style::thinner)?;
+                let stick = sizes.stick(style, BondKind::Covalent)?;
+                // Half of a stick of a double bond.
+                Some([stick, 0.3 * stick.min(sizes.multiple(style))])
+            };
+            aromatic::rings(structure, &chosen.colors, radii, is_drawn)
+        } else {
+            aromatic::Rings::default()
+        };
+        let mut wedges = wedges::wedges(structure);
+        wedges.retain(|&index, _| {
+            let bond = &structure.bonds()[index as usize];
+            is_drawn(bond) && bond.order == BondOrder::Single && bond.kind == BondKind::Covalent && !bond.aromatic
+        });
+        let ring_of = |(index, bond): (usize, &Bond)| {
+            let has_ring = rings.has(index as u32);
+            let is_wanted = is_drawn(bond) && sticks::is_multiple(&options.aromatic.as_drawn(bond, has_ring));
+            let style = chosen.bond_style(bond.a, bond.b);
+            let has_sticks = sizes.stick(style, BondKind::Covalent).is_some();
+            let ring = if is_wanted && has_sticks { sticks::ring(&neighbours, bond) } else { None };
+            ring.map(|ring| (index as u32, ring))
+        };
+        let ring_of_bond = structure.bonds().par_iter().enumerate().with_min_len(4096).filter_map(ring_of).collect();
+        Rig {
+            kind: item.kind,
+            bonds: if item.kind == 0 { Vec::new() } else { structure.bonds().to_vec() },
+            ring_of_bond,
+            chosen,
+            sizes,
+            neighbours,
+            radii,
+            rings,
+            wedges,
+            has_groups: options.haptic,
+        }
     }
-    let mut cones = Vec::new();
-    let mut marked: Vec<_> = wedges.into_iter().collect();
-    marked.sort_unstable_by_key(|&(index, _)| index);
-    for (index, wedge) in marked {
-        let bond = &structure.bonds()[index as usize];
-        artist.wedge(bond, wedge, id_of_bond(index), &mut cones, &mut cylinders);
+
+    /// What is drawn, and how.
+    pub(super) fn chosen(&self) -> &Chosen {
+        &self.chosen
     }
-    let bond_count = u32::try_from(structure.bonds().len()).unwrap_or(u32::MAX);
-    for (index, stub) in stubs.iter().enumerate() {
-        artist.stub(stub, id_of_bond(bond_count.saturating_add(index as u32)), |stick| cylinders.push(stick));
+
+    /// Whether it is that of another frame's item, too, the options being the same.
+    pub(super) fn fits(&self, item: &Item<'_>) -> bool {
+        self.kind != 0
+            && self.kind == item.kind
+            && item.stubs.is_empty()
+            && self.radii.len() == item.structure.atom_count()
+            && self.bonds == item.structure.bonds()
     }
-    let id_count = last.saturating_add(bond_count).saturating_add(u32::try_from(stubs.len()).unwrap_or(u32::MAX));
-    Block { spheres, cylinders, cones, tori: rings.tori, id_count, ..Block::default() }
+
+    /// The balls and sticks where the atoms are.
+    pub(super) fn pose(&self, item: &Item<'_>, options: &SceneOptions) -> Block {
+        let structure = item.structure;
+        let positions = structure.positions().relative();
+        let colors = &self.chosen.colors;
+        let is_shown = |atom: u32| self.chosen.is_shown(atom as usize);
+        let is_drawn = |bond: &Bond| is_drawn(&self.chosen, bond);
+        let last = u32::try_from(structure.atom_count()).unwrap_or(u32::MAX);
+        let radius_of = |atom: u32| self.radii[atom as usize];
+        let spheres: Vec<SphereInstance> = (0..last)
+            .into_par_iter()
+            .with_min_len(4096)
+            .filter(|&atom| is_shown(atom))
+            .map(|atom| SphereInstance {
+                center: positions[atom as usize].to_array(),
+                radius: radius_of(atom),
+                color: colors[atom as usize],
+                id: atom + 1,
+            })
+            .collect();
+        let artist = Artist {
+            chosen: &self.chosen,
+            sizes: self.sizes,
+            aromatic: options.aromatic,
+            positions,
+            colors,
+            neighbours: &self.neighbours,
+            ball_radius: &radius_of,
+            lattice: item.lattice,
+        };
+        let groups = match self.has_groups {
+            true => haptic::groups(structure, positions, &self.neighbours, is_drawn),
+            false => Vec::new(),
+        };
+        let in_group: std::collections::HashSet<u32> =
+            groups.iter().flat_map(|group| group.bonds.iter().copied()).collect();
+        let id_of_bond = |index: u32| last.saturating_add(index).saturating_add(1);
+        let is_stick =
+            |index: u32, bond: &Bond| is_drawn(bond) && !in_group.contains(&index) && !self.wedges.contains_key(&index);
+        let mut cylinders: Vec<CylinderInstance> = (structure.bonds().par_iter().enumerate())
+            .with_min_len(4096)
+            .map(|(index, bond)| (index as u32, bond))
+            .filter(|&(index, bond)| is_stick(index, bond))
+            .flat_map_iter(|(index, bond)| {
+                let mut sticks = Vec::new();
+                let ring = self.ring_of_bond.binary_search_by_key(&index, |(bond, _)| *bond).ok();
+                let ring = ring.map(|at| &*self.ring_of_bond[at].1);
+                artist.bond(bond, self.rings.has(index), ring, id_of_bond(index), |stick| sticks.push(stick));
+                sticks
+            })
+            .collect();
+        for group in &groups {
+            artist.haptic(group, id_of_bond(group.bonds[0]), |stick| cylinders.push(stick));
+        }
+        let mut cones = Vec::new();
+        let mut marked: Vec<_> = self.wedges.iter().map(|(&index, &wedge)| (index, wedge)).collect();
+        marked.sort_unstable_by_key(|&(index, _)| index);
+        for (index, wedge) in marked {
+            let bond = &structure.bonds()[index as usize];
+            artist.wedge(bond, wedge, id_of_bond(index), &mut cones, &mut cylinders);
+        }
+        let bond_count = u32::try_from(structure.bonds().len()).unwrap_or(u32::MAX);
+        let stubs: Vec<&Stub> = item.stubs.iter().filter(|stub| is_drawn(&stub.bond)).collect();
+        for (index, stub) in stubs.iter().enumerate() {
+            artist.stub(stub, id_of_bond(bond_count.saturating_add(index as u32)), |stick| cylinders.push(stick));
+        }
+        let id_count = last.saturating_add(bond_count).saturating_add(u32::try_from(stubs.len()).unwrap_or(u32::MAX));
+        let tori = self.rings.tori(positions, id_of_bond);
+        Block { spheres, cylinders, cones, tori, id_count, ..Block::default() }
+    }
+}
+
+/// Where nothing repeats in the picture, a bond to an image has no end.
+fn is_drawn(chosen: &Chosen, bond: &Bond) -> bool {
+    let is_shown = |atom: u32| chosen.is_shown(atom as usize);
+    !bond.is_periodic() && is_shown(bond.a) && is_shown(bond.b)
 }
 
 /// Draws bonds.
@@ -121,15 +200,13 @@ struct Artist<'a> {
 }
 
 impl Artist<'_> {
-    /// The style of a bond: of its atoms' the one with the thinner sticks, so that what is drawn boldly ends with its own atoms, and
-    /// the thin end is hidden in the thick one.
     fn style(&self, a: u32, b: u32) -> Style {
-        self.chosen.style(a as usize).thinner(self.chosen.style(b as usize))
+        self.chosen.bond_style(a, b)
     }
 
-    /// `has_ring` says that a ring shows that the bond is aromatic.
-    fn bond(&self, bond: &Bond, has_ring: bool, id: u32, push: impl FnMut(CylinderInstance)) {
-        self.between(&self.aromatic.as_drawn(bond, has_ring), self.positions[bond.b as usize], id, push);
+    /// `has_ring` says that a ring shows that the bond is aromatic; `ring` are the atoms of the one that it is in, if it has several sticks.
+    fn bond(&self, bond: &Bond, has_ring: bool, ring: Option<&[u32]>, id: u32, push: impl FnMut(CylinderInstance)) {
+        self.between(&self.aromatic.as_drawn(bond, has_ring), self.positions[bond.b as usize], ring, id, push);
     }
 
     /// A bond towards or away from the viewer.
@@ -174,7 +251,7 @@ impl Artist<'_> {
     }
 
     /// The sticks of a bond whose far end is at `end`.
-    fn between(&self, bond: &Bond, end: Vec3, id: u32, push: impl FnMut(CylinderInstance)) {
+    fn between(&self, bond: &Bond, end: Vec3, ring: Option<&[u32]>, id: u32, push: impl FnMut(CylinderInstance)) {
         let is_solid = !self.is_dashes(bond);
         let kind = if is_solid { BondKind::Covalent } else { bond.kind };
         let style = self.style(bond.a, bond.b);
@@ -199,7 +276,7 @@ impl Artist<'_> {
             // Sticks that are scaled may be thicker than the balls.
             round_ends: style != Style::BallAndStick || self.sizes != Sizes::USUAL,
         };
-        context.sticks(bond, end, template, push);
+        context.sticks(bond, end, ring, template, push);
     }
 
     /// Dashes between the surfaces of two balls, the second one where there is one.
@@ -235,7 +312,7 @@ impl Artist<'_> {
             return self.dashed_stub(&stub.bond, start, along, [length, face], id, push);
         }
         // The ring that a cut bond is in is not whole.
-        self.between(&self.aromatic.as_drawn(&stub.bond, false), start + vector, id, |stick| {
+        self.between(&self.aromatic.as_drawn(&stub.bond, false), start + vector, None, id, |stick| {
             let [from, to] = [stick.a, stick.b].map(|p| (Vec3::from(p) - start).dot(along));
             if from >= face {
                 return;
@@ -301,8 +378,8 @@ mod tests {
     use glam::DVec3;
 
     fn build(item: &Item<'_>, options: &SceneOptions) -> Block {
-        let (chosen, _) = crate::scene::chosen::choose(&[*item], options);
-        super::build(item, options, &chosen[0])
+        let (mut chosen, _) = crate::scene::chosen::choose(&[*item], options);
+        Rig::new(item, options, chosen.remove(0)).pose(item, options)
     }
 
     fn pair(kind: BondKind) -> Structure {

@@ -2,7 +2,7 @@
 
 use super::aromatic::Aromatic;
 use super::axes::{self, Axes};
-use super::chosen::{self, BySelection};
+use super::chosen::{self, BySelection, Chosen};
 use super::coloring::ColorBy;
 use super::light::{Background, DepthOfField, Ground, LightFrame, Lighting};
 use super::look::Look;
@@ -34,13 +34,24 @@ pub struct Item<'a> {
     pub cell_box: Option<&'a Cell>,
     /// The place of its file among all, from 1, for selections; `None` for its place among the items.
     pub file: Option<u32>,
+    /// Tells structures that differ in their positions alone from others ([`Drawn::kind`]); 0 for none.
+    pub kind: u64,
 }
 
 impl<'a> Item<'a> {
     /// A structure where its file puts it.
     #[must_use]
     pub fn of(structure: &'a Structure) -> Item<'a> {
-        Item { structure, offset: Vec3::ZERO, stubs: &[], lattice: &[], listed: &[], cell_box: None, file: None }
+        Item {
+            structure,
+            offset: Vec3::ZERO,
+            stubs: &[],
+            lattice: &[],
+            listed: &[],
+            cell_box: None,
+            file: None,
+            kind: 0,
+        }
     }
 
     /// What is drawn of a crystal; with its box if that is asked for, or, nothing being said, if cells are shown.
@@ -55,6 +66,7 @@ impl<'a> Item<'a> {
             listed: &drawn.listed,
             cell_box: cell,
             file: None,
+            kind: drawn.kind,
         }
     }
 }
@@ -207,7 +219,44 @@ impl Default for SceneOptions {
     }
 }
 
-pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
+/// What scenes of one molecule in many frames have in common: all that positions do not decide, so that another frame only moves balls, sticks and
+/// rings.
+pub struct Rig {
+    options: SceneOptions,
+    items: Vec<block::Rig>,
+    /// As [`Scene::unmatched`].
+    unmatched: Vec<String>,
+}
+
+impl Rig {
+    /// Of structures and options.
+    #[must_use]
+    pub fn new(items: &[Item<'_>], options: &SceneOptions) -> Rig {
+        let (chosen, unmatched) = chosen::choose(items, options);
+        let items = items.iter().zip(chosen).map(|(item, chosen)| block::Rig::new(item, options, chosen)).collect();
+        Rig { options: SceneOptions { pose: None, ..options.clone() }, items, unmatched }
+    }
+
+    /// Whether [`Rig::scene`] of these would be what [`Scene::new`] makes, but for aromatic rings that have been bent since.
+    #[must_use]
+    pub fn fits(&self, items: &[Item<'_>], options: &SceneOptions) -> bool {
+        let is_same = SceneOptions { pose: None, ..options.clone() } == self.options;
+        // What is near to what is another in each frame.
+        let is_still = !options.by_selection.all().any(|(_, selection)| selection.asks_places());
+        is_same
+            && is_still
+            && self.items.len() == items.len()
+            && self.items.iter().zip(items).all(|(rig, item)| rig.fits(item))
+    }
+
+    /// The scene with everything where the items have it. They must fit, or be those that the rig was made of.
+    #[must_use]
+    pub fn scene(&self, items: &[Item<'_>], options: &SceneOptions) -> Scene {
+        build(items, options, self)
+    }
+}
+
+fn build(items: &[Item<'_>], options: &SceneOptions, rig: &Rig) -> Scene {
     // One centre for all items, so that numbers stay small wherever the file puts its molecule.
     let center = options.pose.map_or_else(|| common_center(items), |pose| pose.center);
     let mut blocks = Vec::with_capacity(items.len());
@@ -225,10 +274,9 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
     };
     let mut places = Vec::with_capacity(items.len());
     let scales = vectors::vector_scales(items, options);
-    let (chosen, unmatched) = chosen::choose(items, options);
-    for (item, chosen) in items.iter().zip(&chosen) {
+    for (item, rig) in items.iter().zip(&rig.items) {
         let shift = item.structure.positions().origin() - center + item.offset.as_dvec3();
-        let mut block = block::build(item, options, chosen);
+        let mut block = rig.pose(item, options);
         vectors::draw(&mut block, item.structure, options, &scales);
         places.push((item, place(block, shift)));
         if let Some(cell) = item.cell_box {
@@ -271,7 +319,7 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
         placement.world_from_block = Affine3A::from_quat(turn) * placement.world_from_block;
     }
     scene.pose = Pose { center, turn, pitch_rad: pitch };
-    scene.unmatched = unmatched;
+    scene.unmatched.clone_from(&rig.unmatched);
     scene.items = places.iter().map(|&(_, at)| at).collect();
     scene.bounds = scene.find_bounds();
     if options.axes {
@@ -293,6 +341,7 @@ pub(super) fn build(items: &[Item<'_>], options: &SceneOptions) -> Scene {
     scene.depth_of_field = options.depth_of_field;
     scene.background = options.background;
     scene.set_ground(options.ground);
+    let chosen: Vec<&Chosen> = rig.items.iter().map(block::Rig::chosen).collect();
     let mut overlay = overlay::build(&scene, &places, &chosen, options);
     // Before those of atoms: they were asked for one by one.
     overlay.labels.splice(0..0, marks.labels);
@@ -469,3 +518,7 @@ mod tests {
         assert!(scene.fitted_camera(1.5).eye.is_finite());
     }
 }
+
+#[cfg(test)]
+#[path = "rig_tests.rs"]
+mod rig_tests;

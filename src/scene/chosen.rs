@@ -74,6 +74,12 @@ impl Chosen {
         self.styles.get(atom).copied().unwrap_or(self.style)
     }
 
+    /// The style of a bond: of its atoms' the one with the thinner sticks, so that what is drawn boldly ends with its own atoms, and
+    /// the thin end is hidden in the thick one.
+    pub(super) fn bond_style(&self, a: u32, b: u32) -> Style {
+        self.style(a as usize).thinner(self.style(b as usize))
+    }
+
     /// Whether an atom may have a label.
     pub(super) fn is_labelled(&self, atom: usize) -> bool {
         self.labelled.get(atom).is_none_or(|&is| is)

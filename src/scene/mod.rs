@@ -2,6 +2,8 @@
 //!
 //! A [`Scene`] is blocks of primitives × placements (rigid transforms), so that assemblies, symmetry mates and
 //! supercells draw one copy many times; a plain molecule is one block placed once. Nothing here knows how it is drawn.
+//!
+//! Scenes of many frames of one molecule share a [`Rig`]: what positions do not decide is found once.
 
 mod aromatic;
 mod arrows;
@@ -31,7 +33,7 @@ mod wedges;
 
 pub use aromatic::Aromatic;
 pub use axes::Axes;
-pub use build::{AltlocChoice, Item, Orientation, Pose, SceneOptions};
+pub use build::{AltlocChoice, Item, Orientation, Pose, Rig, SceneOptions};
 pub use camera::{Camera, PixelGrid, Projection, Ray, Region};
 pub use chosen::BySelection;
 pub use coloring::ColorBy;
@@ -123,7 +125,7 @@ impl Scene {
     /// ```
     #[must_use]
     pub fn new(items: &[Item<'_>], options: &SceneOptions) -> Scene {
-        build::build(items, options)
+        Rig::new(items, options).scene(items, options)
     }
 
     /// From parts: placements of blocks that do not exist are left out; bounds are found.

@@ -50,11 +50,12 @@ pub(super) struct StickContext<'a> {
 
 impl StickContext<'_> {
     /// The sticks of a bond whose far end is at `b`, written through `push`; a bond of zero length has none. The balls of its
-    /// atoms are drawn, but for one that `b` is an image of.
+    /// atoms are drawn, but for one that `b` is an image of. `ring` are the atoms of the [`ring`] that it is in.
     pub(super) fn sticks(
         &self,
         bond: &Bond,
         b: Vec3,
+        ring: Option<&[u32]>,
         template: CylinderInstance,
         mut push: impl FnMut(CylinderInstance),
     ) {
@@ -68,7 +69,7 @@ impl StickContext<'_> {
         let single = Strand { offset: Vec3::ZERO, radius: self.stick_radius, shortened: 0.0, is_dashed: false };
         // Of a bond that goes to an image no ring is known.
         let is_there = b == self.positions[bond.b as usize];
-        let (strands, count) = self.strands(bond, axis, single, is_there);
+        let (strands, count) = self.strands(bond, axis, single, ring.filter(|_| is_there));
         for strand in &strands[..count] {
             // Hidden in both balls by the same length, so that the colours meet in the middle of the bond.
             let reach = strand.offset.length() + strand.radius;
@@ -98,10 +99,9 @@ impl StickContext<'_> {
         }
     }
 
-    fn strands(&self, bond: &Bond, axis: Vec3, single: Strand, is_there: bool) -> ([Strand; 4], usize) {
+    fn strands(&self, bond: &Bond, axis: Vec3, single: Strand, ring: Option<&[u32]>) -> ([Strand; 4], usize) {
         let r = self.multiple_radius;
-        let multiple = bond.aromatic || bond.order >= BondOrder::Double;
-        if bond.kind != BondKind::Covalent || !multiple {
+        if !is_multiple(bond) {
             return ([single; 4], 1);
         }
         let side = self.side(bond, axis);
@@ -117,7 +117,7 @@ impl StickContext<'_> {
                 let corner = |u: f32, v: f32| Strand { offset: (side * u + other * v) * gap, radius: thin, ..single };
                 ([corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)], 4)
             }
-            _ => match self.ring_center(bond).filter(|_| is_there) {
+            _ => match ring.map(|ring| self.middle(ring)) {
                 Some(center) => {
                     let middle = (self.positions[bond.a as usize] + self.positions[bond.b as usize]) * 0.5;
                     let inward = center - middle;
@@ -170,35 +170,44 @@ impl StickContext<'_> {
         }
     }
 
-    /// The centre of the smallest ring (3 to [`MAX_RING`] atoms) that the bond is in.
-    fn ring_center(&self, bond: &Bond) -> Option<Vec3> {
-        // Breadth first from one atom to the other without the bond itself; paths stay short, so lists beat maps.
-        let mut reached: Vec<(u32, u32)> = vec![(bond.a, u32::MAX)]; // atom, index of the one before
-        let mut queue: VecDeque<(u32, usize)> = VecDeque::from([(0, 1)]); // index into `reached`, atoms so far
-        while let Some((at, atoms)) = queue.pop_front() {
-            let atom = reached[at as usize].0;
-            for &next in self.neighbours.of(atom as usize) {
-                if atom == bond.a && next == bond.b || reached.iter().any(|&(seen, _)| seen == next) {
-                    continue;
+    fn middle(&self, atoms: &[u32]) -> Vec3 {
+        atoms.iter().map(|&atom| self.positions[atom as usize]).sum::<Vec3>() / atoms.len().max(1) as f32
+    }
+}
+
+/// Whether a bond has several sticks.
+pub(super) fn is_multiple(bond: &Bond) -> bool {
+    bond.kind == BondKind::Covalent && (bond.aromatic || bond.order >= BondOrder::Double)
+}
+
+/// The atoms of the smallest ring (3 to [`MAX_RING`] atoms) that the bond is in.
+pub(super) fn ring(neighbours: &ByAtom<u32>, bond: &Bond) -> Option<Box<[u32]>> {
+    // Breadth first from one atom to the other without the bond itself; paths stay short, so lists beat maps.
+    let mut reached: Vec<(u32, u32)> = vec![(bond.a, u32::MAX)]; // atom, index of the one before
+    let mut queue: VecDeque<(u32, usize)> = VecDeque::from([(0, 1)]); // index into `reached`, atoms so far
+    while let Some((at, atoms)) = queue.pop_front() {
+        let atom = reached[at as usize].0;
+        for &next in neighbours.of(atom as usize) {
+            if atom == bond.a && next == bond.b || reached.iter().any(|&(seen, _)| seen == next) {
+                continue;
+            }
+            if next == bond.b {
+                let mut ring = vec![bond.b];
+                let mut back = at;
+                while back != u32::MAX {
+                    ring.push(reached[back as usize].0);
+                    back = reached[back as usize].1;
                 }
-                if next == bond.b {
-                    let mut sum = self.positions[bond.b as usize];
-                    let mut back = at;
-                    while back != u32::MAX {
-                        sum += self.positions[reached[back as usize].0 as usize];
-                        back = reached[back as usize].1;
-                    }
-                    return Some(sum / (atoms + 1) as f32);
-                }
-                // Bounded by what a ring of this size can reach: hubs of metal clusters would visit the whole cluster.
-                if atoms + 1 < MAX_RING && reached.len() < 256 {
-                    reached.push((next, at));
-                    queue.push_back((reached.len() as u32 - 1, atoms + 1));
-                }
+                return Some(ring.into_boxed_slice());
+            }
+            // Bounded by what a ring of this size can reach: hubs of metal clusters would visit the whole cluster.
+            if atoms + 1 < MAX_RING && reached.len() < 256 {
+                reached.push((next, at));
+                queue.push_back((reached.len() as u32 - 1, atoms + 1));
             }
         }
-        None
     }
+    None
 }
 
 #[cfg(test)]
@@ -218,7 +227,8 @@ mod tests {
         };
         let mut sticks = Vec::new();
         let end = positions[bonds[which].b as usize];
-        context.sticks(&bonds[which], end, bytemuck::Zeroable::zeroed(), |stick| sticks.push(stick));
+        let ring = ring(&neighbours, &bonds[which]);
+        context.sticks(&bonds[which], end, ring.as_deref(), bytemuck::Zeroable::zeroed(), |stick| sticks.push(stick));
         sticks
     }
 

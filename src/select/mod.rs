@@ -100,6 +100,12 @@ impl Selection {
         eval::Context::new(scope).atoms(&self.expr)
     }
 
+    /// Whether the places of atoms decide what is selected: another frame may have others.
+    #[must_use]
+    pub fn asks_places(&self) -> bool {
+        self.expr.asks_places()
+    }
+
     /// These atoms of a file (numbers from 1, ascending) by their numbers: in the file where `by_index`, else among those drawn.
     #[must_use]
     pub fn of_numbers(file: u32, numbers: &[u32], by_index: bool) -> Selection {

@@ -49,6 +49,23 @@ pub(super) enum Expr {
     Or(Vec<Expr>),
 }
 
+impl Expr {
+    /// As [`super::Selection::asks_places`].
+    pub(super) fn asks_places(&self) -> bool {
+        match self {
+            Expr::Near(..) | Expr::Compare(Quantity::X | Quantity::Y | Quantity::Z, ..) => true,
+            Expr::Bonded(inner) | Expr::Same(_, inner) | Expr::Not(inner) => inner.asks_places(),
+            Expr::And(all) | Expr::Or(all) => all.iter().any(Expr::asks_places),
+            Expr::Compare(..)
+            | Expr::Set(_)
+            | Expr::Names(..)
+            | Expr::Elements(_)
+            | Expr::Residues(_)
+            | Expr::Numbers(..) => false,
+        }
+    }
+}
+
 /// Terms inside one another; deeper ones are no selection that anybody writes.
 const DEEPEST: usize = 64;
 

@@ -23,9 +23,11 @@ impl Session {
         let mut words: Vec<String> = vec!["ballstick".to_owned(), "render".to_owned()];
         let shown: Vec<_> = self.files.iter().filter(|file| file.visible).collect();
         for file in &shown {
-            let path = file.path.to_string_lossy();
-            // A name that begins with a dash is no flag.
-            words.push(if path.starts_with('-') { format!("./{path}") } else { path.into_owned() });
+            for path in std::iter::once(&file.path).chain(&file.trajectories) {
+                let path = path.to_string_lossy();
+                // A name that begins with a dash is no flag.
+                words.push(if path.starts_with('-') { format!("./{path}") } else { path.into_owned() });
+            }
         }
         words.extend(["-o".to_owned(), "picture.png".to_owned(), "--size".to_owned(), format!("{width}x{height}")]);
         let mut flag = |name: &str, value: &str, is_usual: bool| {
@@ -104,6 +106,9 @@ impl Session {
             ("cell-box", self.cell_box == Some(true)),
             ("no-cell-box", self.cell_box == Some(false)),
         ];
+        if self.bonds_per_frame != usual.bonds_per_frame {
+            words.push(format!("--bonds-per-frame={}", self.bonds_per_frame));
+        }
         words.extend(switches.iter().filter(|(_, on)| *on).map(|(name, _)| format!("--{name}")));
         let quoted: Vec<Cow<'_, str>> = words.iter().map(|word| quoted(word)).collect();
         quoted.join(" ")

@@ -9,9 +9,10 @@
 mod command;
 
 use crate::bonds::{BondMode, BondOptions};
-use crate::crystal::{CellChoice, CrystalOptions};
+use crate::crystal::{BondsPerFrame, CellChoice, CrystalOptions};
 use crate::error::{Error, Result};
 use crate::export::atomic;
+use crate::import::trajectory::Input;
 use crate::render::Quality;
 use crate::scene::{
     AltlocChoice, Aromatic, Background, BySelection, ColorBy, DepthOfField, LabelContent, LightFrame, Look,
@@ -25,15 +26,26 @@ use std::path::{Path, PathBuf};
 pub const VERSION: u32 = 1;
 
 /// A file of a session.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct File {
     /// Where it is.
     pub path: PathBuf,
+    /// Trajectories of its atoms.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub trajectories: Vec<PathBuf>,
     /// The frame that is shown, counted from 1 through all records.
     pub frame: u32,
     /// Whether it is shown.
     pub visible: bool,
+}
+
+impl File {
+    /// What is read.
+    #[must_use]
+    pub fn input(&self) -> Input {
+        Input { structure: self.path.clone(), trajectories: self.trajectories.clone() }
+    }
 }
 
 /// An atom: the number of its file in the session and its own in what is drawn of that, both from 1.
@@ -133,6 +145,9 @@ pub struct Session {
     pub bonds: String,
     /// `--hbonds`.
     pub hbonds: bool,
+    /// `--bonds-per-frame`.
+    #[serde(default = "auto")]
+    pub bonds_per_frame: String,
     /// `--cell`.
     pub cell: String,
     /// `--supercell`.
@@ -163,6 +178,11 @@ fn one() -> f32 {
 /// What a session says of ions where it was saved before they could be left out.
 fn shown() -> bool {
     true
+}
+
+/// What a session says of bonds in frames where it was saved before it could be chosen.
+fn auto() -> String {
+    BondsPerFrame::default().name().to_owned()
 }
 
 /// A part of the picture's height as flags have it, without the digits that rounding adds.
@@ -244,6 +264,7 @@ impl Session {
             scale_bar: scene.text.scale_bar,
             bonds: crystal.bonds.mode.name().to_owned(),
             hbonds: crystal.bonds.hydrogen_bonds,
+            bonds_per_frame: crystal.bonds_per_frame.name().to_owned(),
             cell: crystal.cell.name().to_owned(),
             supercell: crystal.supercell,
             cell_box: *cell_box,
@@ -340,7 +361,9 @@ impl Session {
             ..SceneOptions::default()
         };
         let mode = named("bonds", &self.bonds, BondMode::from_name, &BondMode::ALL.map(BondMode::name))?;
+        let per_frame = &BondsPerFrame::ALL.map(BondsPerFrame::name);
         let crystal = CrystalOptions {
+            bonds_per_frame: named("bonds_per_frame", &self.bonds_per_frame, BondsPerFrame::from_name, per_frame)?,
             cell: named("cell", &self.cell, CellChoice::from_name, &CellChoice::ALL.map(CellChoice::name))?,
             supercell: self.supercell,
             bonds: BondOptions { mode, hydrogen_bonds: self.hbonds, ..BondOptions::default() },
@@ -431,6 +454,7 @@ impl Session {
                 return Err(wrong("frame", "0", "a number from 1 on"));
             }
             file.path = folder.join(&file.path);
+            file.trajectories.iter_mut().for_each(|path| *path = folder.join(&*path));
         }
         let files = u32::try_from(session.files.len()).unwrap_or(u32::MAX);
         let is_atom = |&[file, atom]: &Atom| (1..=files).contains(&file) && atom > 0;
@@ -467,9 +491,11 @@ impl Session {
         let place = absolute(path);
         let folder = place.parent().unwrap_or(Path::new(""));
         let mut written = self.clone();
-        for file in &mut written.files {
-            let whole = absolute(&file.path);
-            file.path = whole.strip_prefix(folder).map_or(whole.clone(), Path::to_owned);
+        for path in
+            written.files.iter_mut().flat_map(|file| std::iter::once(&mut file.path).chain(&mut file.trajectories))
+        {
+            let whole = absolute(path);
+            *path = whole.strip_prefix(folder).map_or(whole.clone(), Path::to_owned);
         }
         let text = serde_json::to_string_pretty(&written)
             .map_err(|error| Error::Unsupported(format!("the session cannot be written down: {error}")))?;

@@ -61,7 +61,7 @@ fn settings() -> Settings {
 #[test]
 fn settings_come_back_through_json() {
     let mut session = Session::of(&settings());
-    session.files.push(File { path: "a.xyz".into(), frame: 3, visible: true });
+    session.files.push(File { path: "a.xyz".into(), frame: 3, visible: true, ..File::default() });
     session.measurements.push(vec![[1, 1], [1, 2]]);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("s.json");
@@ -118,7 +118,7 @@ fn the_command_line_says_what_is_not_usual() {
         quality: Quality::Standard,
         viewpoint: None,
     };
-    let file = |path: &str, visible| File { path: path.into(), frame: 1, visible };
+    let file = |path: &str, visible| File { path: path.into(), frame: 1, visible, ..File::default() };
     let mut session = Session::of(&plain);
     session.files = vec![file("it's here.pdb", true)];
     assert_eq!(session.command_line([640, 480]), r"ballstick render 'it'\''s here.pdb' -o picture.png --size 640x480");

@@ -379,7 +379,7 @@ impl StructureBuilder {
         }
         let (positions, lost) = Positions::from_f64(points, self.decimals);
         self.digits_lost |= lost;
-        self.more_frames.push(Frame { positions, cell, title: title.into(), vectors: Vec::new() });
+        self.more_frames.push(Frame { positions, cell, title: title.into(), vectors: Vec::new(), time_ps: None });
         true
     }
 
@@ -427,7 +427,8 @@ impl StructureBuilder {
             let message = "positions have more digits than can be kept (atoms millions of ångström apart); the last ones are rounded";
             diagnostics.warn(None, message);
         }
-        let mut frames = vec![Frame { positions, cell: self.cell, title: self.frame_title, vectors: self.vectors }];
+        let (cell, title, vectors) = (self.cell, self.frame_title, self.vectors);
+        let mut frames = vec![Frame { positions, cell, title, vectors, time_ps: None }];
         frames.extend(self.more_frames);
         let bonds = bond::normalise(self.bonds, self.element.len());
         let bond_stereo = self

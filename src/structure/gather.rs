@@ -16,6 +16,7 @@ impl Structure {
         let points: Vec<DVec3> = sources.iter().map(|&(_, point)| point).collect();
         let (positions, _) = Positions::from_f64(&points, self.positions().decimals());
         let title = self.frames.first().map_or_else(String::new, |frame| frame.title.clone());
+        let time_ps = self.frames.first().and_then(|frame| frame.time_ps);
         let mut residues: Vec<Residue> = Vec::new();
         let mut residue_of_atom = Vec::new();
         let mut last = None;
@@ -55,7 +56,7 @@ impl Structure {
             bonds: Vec::new(),
             stated_bonds: StatedBonds::None,
             bond_stereo: Vec::new(),
-            frames: vec![Frame { positions, cell, title, vectors }],
+            frames: vec![Frame { positions, cell, title, vectors, time_ps }],
             secondary: Vec::new(),
             symmetry: None,
             components: self.components.clone(),

@@ -46,6 +46,8 @@ pub struct Frame {
     pub title: String,
     /// Vectors on the atoms in this frame.
     pub vectors: Vec<VectorField>,
+    /// The time of a simulation in picoseconds, if the file states one.
+    pub time_ps: Option<f64>,
 }
 
 /// A contiguous run of atoms with the same chain, residue number, insertion code and residue name.
@@ -311,16 +313,28 @@ impl Structure {
     /// placeholder (the 1 × 1 × 1 Å cell of NMR and microscopy entries).
     #[must_use]
     pub fn lattice(&self, frame: usize) -> Option<&Cell> {
-        /// Atoms in a cubic ångström. Diamond has 0.176, the densest of all matter at ordinary pressure; twice as many,
-        /// for alternate locations, leave no doubt.
-        const DENSEST: f64 = 0.36;
         let is_p1 = |symmetry: &Symmetry| {
             let name: String = symmetry.space_group.split_whitespace().collect();
             symmetry.operations.len() <= 1 && (name.is_empty() || name.eq_ignore_ascii_case("P1"))
         };
         let cell = self.frames.get(frame)?.cell.as_ref()?;
         let repeats = self.symmetry.as_ref().is_none_or(is_p1);
-        (repeats && self.atom_count() as f64 <= DENSEST * cell.volume()).then_some(cell)
+        (repeats && self.fits(cell)).then_some(cell)
+    }
+
+    /// Whether a cell has room for the atoms, and is no mere placeholder.
+    #[must_use]
+    pub fn fits(&self, cell: &Cell) -> bool {
+        /// Atoms in a cubic ångström. Diamond has 0.176, the densest of all matter at ordinary pressure; twice as many,
+        /// for alternate locations, leave no doubt.
+        const DENSEST: f64 = 0.36;
+        self.atom_count() as f64 <= DENSEST * cell.volume()
+    }
+
+    /// The same structure as if its file stated no symmetry.
+    #[must_use]
+    pub fn without_symmetry(self) -> Structure {
+        Structure { symmetry: None, ..self }
     }
 
     /// Helices and strands the file states.
@@ -387,8 +401,13 @@ impl Structure {
     /// A copy with frame `index` as its first and only one, the others not copied; `None` if there is no such frame.
     #[must_use]
     pub fn at_frame(&self, index: usize) -> Option<Structure> {
-        let frame = self.frames.get(index)?.clone();
-        Some(Structure {
+        Some(self.with_frame(self.frames.get(index)?.clone()))
+    }
+
+    /// A copy with this frame in place of its own. A frame of another number of atoms is of another structure.
+    #[must_use]
+    pub fn with_frame(&self, frame: Frame) -> Structure {
+        Structure {
             title: self.title.clone(),
             names: self.names.clone(),
             element: self.element.clone(),
@@ -413,7 +432,7 @@ impl Structure {
             symmetry: self.symmetry.clone(),
             components: self.components.clone(),
             properties: self.properties.clone(),
-        })
+        }
     }
 
     /// The same structure with frame `index` as its first and only one; `None` if there is no such frame.

@@ -32,6 +32,23 @@ impl Positions {
         all.into_positions(decimals)
     }
 
+    /// From positions in single precision about the file's own origin, and how many of their decimals mean something.
+    #[must_use]
+    pub fn from_relative(points: Vec<Vec3>, decimals: u8) -> Positions {
+        Positions { origin: DVec3::ZERO, coarse: points, fine: Vec::new(), decimals: decimals.min(Self::MAX_DECIMALS) }
+    }
+
+    /// Moves an atom, if it is there.
+    pub(crate) fn shift(&mut self, atom: usize, by: DVec3) {
+        if let Some(coarse) = self.coarse.get_mut(atom) {
+            let whole = coarse.as_dvec3() + by;
+            *coarse = whole.as_vec3();
+            if let Some(fine) = self.fine.get_mut(atom) {
+                *fine += whole - coarse.as_dvec3();
+            }
+        }
+    }
+
     /// Number of atoms.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -24,7 +24,7 @@ impl Structure {
                     })
                     .collect();
                 let (positions, _) = Positions::from_f64(&points, frame.positions.decimals());
-                Frame { positions, cell: frame.cell, title: frame.title.clone(), vectors }
+                Frame { positions, cell: frame.cell, title: frame.title.clone(), time_ps: frame.time_ps, vectors }
             })
             .collect();
         let is_kept = |atom: u32| place[atom as usize] != u32::MAX;

@@ -1,10 +1,11 @@
 //! What each action does.
 
-use super::{NEAREST, Preferences, Request, State};
+use super::{AtEnd, NEAREST, Preferences, Request, State};
 use crate::app::action::Action;
 use crate::app::loader::SAMPLES;
 use crate::app::work::{AtomKey, Source, Work};
 use crate::app::{navigate, picking, pictures, selecting, sessions};
+use crate::import::trajectory::{self, Input};
 use crate::scene::{Background, Camera, fit};
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -31,6 +32,7 @@ impl State {
         match action {
             Action::OpenDialog => self.requests.push(Request::Open),
             Action::Open(path) => self.open(path),
+            Action::OpenInput(input) => self.loader.start(Source::File(input), self.work.crystal, None),
             Action::OpenSample(number) => {
                 if let Some(sample) = SAMPLES.get(number) {
                     self.loader.start(Source::Sample(sample.name), self.work.crystal, None);
@@ -118,6 +120,7 @@ impl State {
             Action::Haptic(on) => work.scene.haptic = on,
             Action::Bonds(mode) => work.crystal.bonds.mode = mode,
             Action::HydrogenBonds(on) => work.crystal.bonds.hydrogen_bonds = on,
+            Action::BondsPerFrame(when) => work.crystal.bonds_per_frame = when,
             Action::Cell(choice) => work.crystal.cell = choice,
             Action::Supercell(counts) => work.crystal.supercell = counts.map(|count| count.clamp(1, 100)),
             Action::CellBox(on) => work.cell_box = on,
@@ -152,7 +155,7 @@ impl State {
                 self.playing.last = None;
             }
             Action::Speed(speed) => self.playing.speed = speed.clamp(0.5, 60.0),
-            Action::Loop(on) => self.playing.loops = on,
+            Action::AtEnd(what) => (self.playing.at_end, self.playing.back) = (what, false),
             Action::Screenshot => pictures::quick(self),
             Action::PictureDialog(on) => {
                 self.shown.picture = on.then(|| pictures::Dialog::new(self));
@@ -220,8 +223,26 @@ impl State {
     fn open(&mut self, path: PathBuf) {
         if sessions::is_session(&path) {
             sessions::open(self, &path);
+        } else if trajectory::is_trajectory(&path) {
+            self.open_trajectory(path);
         } else {
-            self.loader.start(Source::File(path), self.work.crystal, None);
+            self.loader.start(Source::File(Input::of(path)), self.work.crystal, None);
+        }
+    }
+
+    /// A trajectory goes with the last file that was opened, behind the trajectories that this has.
+    fn open_trajectory(&mut self, path: PathBuf) {
+        let of_file = self.work.layers.iter().rev().find_map(|layer| match &layer.source {
+            Source::File(input) if input.structure.as_os_str() != "-" => Some((layer.id, input.clone())),
+            _ => None,
+        });
+        match of_file {
+            Some((id, mut input)) => {
+                input.trajectories.push(path);
+                self.loader.start(Source::File(input), self.work.crystal, Some(id));
+            }
+            // It says what is missing.
+            None => self.loader.start(Source::File(Input::of(path)), self.work.crystal, None),
         }
     }
 
@@ -248,6 +269,8 @@ impl State {
 
     fn forget_closed(&mut self) {
         let open: HashSet<u32> = self.work.layers.iter().map(|layer| layer.id).collect();
+        let layers = &self.work.layers;
+        self.maker.forget(|document| layers.iter().any(|layer| Arc::ptr_eq(&layer.document, document)));
         let is_open = |key: &AtomKey| open.contains(&key.layer);
         self.work.measurements.retain(|atoms| atoms.iter().all(is_open));
         if !self.work.picked.iter().all(is_open) {
@@ -276,8 +299,21 @@ impl State {
         }
     }
 
+    /// On, or back, and the other way at either end, as the molecule with most frames has it.
+    pub(super) fn bounce(&mut self) {
+        let longest = self.work.layers.iter().max_by_key(|layer| layer.document.frame_count());
+        if let Some(layer) = longest {
+            let last = layer.document.frame_count().saturating_sub(1);
+            self.playing.back = match self.playing.back {
+                true => layer.frame > 0,
+                false => layer.frame >= last,
+            };
+        }
+        self.step(if self.playing.back { -1 } else { 1 });
+    }
+
     pub(super) fn step(&mut self, by: i32) {
-        let loops = self.playing.loops;
+        let loops = self.playing.at_end == AtEnd::Loop;
         for layer in self.work.layers.iter_mut().filter(|layer| layer.document.frame_count() > 1) {
             let count = layer.document.frame_count() as i64;
             let next = layer.frame as i64 + i64::from(by);

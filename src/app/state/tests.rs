@@ -205,7 +205,7 @@ fn frames_step_play_and_stop_at_the_end() {
     let frame = |state: &State| state.work.layers[0].frame;
     state.apply(Action::Step(-1));
     assert_eq!(frame(&state), count - 1, "in a loop");
-    state.apply(Action::Loop(false));
+    state.apply(Action::AtEnd(AtEnd::Stop));
     state.apply(Action::Step(1));
     assert_eq!(frame(&state), count - 1);
     state.apply(Action::FirstFrame);
@@ -216,6 +216,92 @@ fn frames_step_play_and_stop_at_the_end() {
         now += Duration::from_secs(1);
     }
     assert_eq!((frame(&state), state.playing.on), (count - 1, false));
+}
+
+#[test]
+fn frames_go_back_the_way_they_came() {
+    let mut state = opened(&["ethane-rotation.xyz"]);
+    let count = state.work.frame_count();
+    state.apply(Action::AtEnd(AtEnd::Bounce));
+    state.apply(Action::Play(true));
+    let mut now = Instant::now();
+    let mut seen = vec![0];
+    for _ in 0..2 * count {
+        state.play(now);
+        now += Duration::from_secs(1);
+        seen.push(state.work.layers[0].frame);
+    }
+    assert_eq!(seen[..count], (0..count).collect::<Vec<_>>());
+    assert_eq!(seen[count..2 * count - 1], (0..count - 1).rev().collect::<Vec<_>>());
+    assert!(seen.windows(2).all(|pair| pair[0].abs_diff(pair[1]) == 1) && state.playing.on, "{seen:?}");
+}
+
+fn boxed(trajectories: &[&str]) -> Action {
+    let path = |name: &&str| data("trajectories").join(name);
+    let trajectories = trajectories.iter().map(path).collect();
+    Action::OpenInput(crate::import::trajectory::Input { structure: path(&"box.gro"), trajectories })
+}
+
+#[test]
+fn a_trajectory_plays_with_the_bonds_of_its_structure() {
+    let mut state = self::state();
+    state.apply(boxed(&["water.xtc"]));
+    state.wait_for_files();
+    settle(&mut state);
+    assert!(state.notices.is_empty(), "{:?}", state.notices);
+    assert_eq!(state.title(), "box.gro + water.xtc – ballstick");
+    let started = Instant::now();
+    while state.work.frame_count() < 6 {
+        assert!(started.elapsed() < Duration::from_secs(20), "the frames are counted by and by");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let bonds = |state: &State| state.built.drawn[0].1.structure.bonds().to_vec();
+    let (first, id) = (bonds(&state), state.work.layers[0].id);
+    // Fifteen waters and carbon dioxide, all whole.
+    assert_eq!(first.len(), 32);
+    for frame in [3, 5, 0, 1] {
+        state.apply(Action::Frame(id, frame));
+        settle(&mut state);
+        let structure = &state.built.drawn[0].1.structure;
+        let at = |atom: u32| structure.positions().get(atom as usize);
+        assert!(structure.bonds().iter().all(|bond| at(bond.a).distance(at(bond.b)) < 1.4), "frame {frame}");
+        assert_eq!(bonds(&state), first);
+        assert_eq!(structure.frames()[0].time_ps, Some(2.5 * frame as f64 + 1.0));
+        // As if it had been made for this frame alone.
+        let items: Vec<_> = state.built.drawn.iter().map(|(_, drawn)| crate::scene::Item::drawn(drawn, None)).collect();
+        let anew = crate::scene::Scene::new(&items, &state.work.scene);
+        assert!(anew.blocks == state.built.scene.blocks && anew.placements == state.built.scene.placements);
+    }
+    state.apply(Action::BondsPerFrame(crate::crystal::BondsPerFrame::Always));
+    settle(&mut state);
+    assert_eq!(state.built.drawn[0].1.kind, 0);
+}
+
+#[test]
+fn a_trajectory_that_is_dropped_moves_what_was_opened_last() {
+    let mut state = opened(&["trajectories/box.gro"]);
+    state.apply(Action::Open(data("trajectories/water.xtc")));
+    state.wait_for_files();
+    settle(&mut state);
+    assert_eq!((state.work.layers.len(), state.work.layers[0].document.trajectories.len()), (1, 1));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.json");
+    state.apply(Action::Frame(state.work.layers[0].id, 4));
+    state.apply(Action::SaveSession(path.clone()));
+    let mut other = self::state();
+    other.apply(Action::Open(path));
+    other.wait_for_files();
+    settle(&mut other);
+    assert_eq!((other.work.layers[0].frame, &other.work.layers[0].source), (4, &state.work.layers[0].source));
+    // One of other atoms changes nothing and says why.
+    other.apply(Action::Open(data("trajectories/few.xtc")));
+    other.wait_for_files();
+    assert!(other.notices[0].text.contains("few.xtc has 9 atoms"), "{:?}", other.notices);
+    assert_eq!(other.work.layers[0].source, state.work.layers[0].source);
+    let mut alone = self::state();
+    alone.apply(Action::Open(data("trajectories/few.xtc")));
+    alone.wait_for_files();
+    assert!(alone.notices[0].is_error && alone.notices[0].text.contains("give the structure before it"));
 }
 
 #[test]

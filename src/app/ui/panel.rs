@@ -8,7 +8,7 @@ use crate::app::picking;
 use crate::app::state::State;
 use crate::bonds::BondMode;
 use crate::color::Srgb8;
-use crate::crystal::CellChoice;
+use crate::crystal::{BondsPerFrame, CellChoice};
 use crate::render::Quality;
 use crate::scene::{Aromatic, Background, ColorBy, LabelContent, Look, Style};
 use egui::{RichText, ScrollArea, Ui};
@@ -256,6 +256,15 @@ fn bonds(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     };
     let modes = BondMode::ALL.map(|mode| (mode, says(mode).to_owned()));
     choice(ui, "From", &modes, state.work.crystal.bonds.mode, Action::Bonds, actions);
+    if state.work.frame_count() > 1 {
+        let says = |when: BondsPerFrame| match when {
+            BondsPerFrame::Auto => "Anew, but for trajectories",
+            BondsPerFrame::Always => "Anew in each",
+            BondsPerFrame::Never => "The same in all",
+        };
+        let whens = BondsPerFrame::ALL.map(|when| (when, says(when).to_owned()));
+        choice(ui, "In frames", &whens, state.work.crystal.bonds_per_frame, Action::BondsPerFrame, actions);
+    }
     switch(ui, "One stick from a metal to a ring", state.work.scene.haptic, Action::Haptic, actions);
 }
 

@@ -126,7 +126,7 @@ fn every_ball_and_stick_is_in_one_pack_and_in_its_box() {
         let start = pack.start as usize;
         let middle = start + usize::from(pack.spheres);
         let around = Aabb { min: pack.center - pack.half, max: pack.center + pack.half }.grown(1e-4);
-        let mut holds = |inner: Aabb| {
+        let holds = |inner: Aabb| {
             assert!(around.union(inner) == around, "{inner:?} is not in {around:?}");
         };
         for &i in &members[start..middle] {

@@ -60,11 +60,12 @@ impl Overlay {
 pub(super) fn build(
     scene: &Scene,
     items: &[(&Item<'_>, usize)],
-    chosen: &[Chosen],
+    chosen: &[&Chosen],
     SceneOptions { text: options, color_by, by_selection, .. }: &SceneOptions,
 ) -> Overlay {
-    let placed =
-        || items.iter().zip(chosen).filter_map(|(&(item, at), chosen)| Some((item, scene.placements.get(at)?, chosen)));
+    let placed = || {
+        items.iter().zip(chosen).filter_map(|(&(item, at), &chosen)| Some((item, scene.placements.get(at)?, chosen)))
+    };
     let spheres = |placement: &Placement| &scene.blocks[placement.block].spheres[..];
     let mut labels = Vec::new();
     for (item, placement, chosen) in placed() {
