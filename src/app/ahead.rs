@@ -215,7 +215,7 @@ mod tests {
     fn the_ring_is_bounded_and_follows_the_direction() {
         let document = document();
         let one = bytes_of(&document.trajectory_frame(0).unwrap());
-        let ahead = Ahead { most_bytes: one * 2, ..Ahead::default() };
+        let ahead = Ahead { most_bytes: one * 2, shared: Arc::default() };
         ahead.frame(&document, 2).unwrap();
         wait_for(&ahead, &[2, 3, 4]);
         ahead.frame(&document, 1).unwrap();

@@ -144,7 +144,7 @@ impl State {
             Action::ForgetMeasurements => work.measurements.clear(),
             Action::Frame(id, frame) => {
                 for layer in work.layers.iter_mut().filter(|layer| layer.id == id) {
-                    layer.frame = frame.min(layer.document.frame_count().saturating_sub(1));
+                    layer.frame = layer.document.nearest_frame(frame);
                 }
             }
             Action::Step(by) => self.step(by),

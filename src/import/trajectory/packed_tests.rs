@@ -59,7 +59,7 @@ fn pack(points: &[[i32; 3]], mut index: usize, choices: &[u8]) -> ([u8; 32], Vec
                 (0..i64::from(SMALL[index])).contains(&away)
             })
         };
-        let mut wanted = choose(11).min(points.len() - at - 1);
+        let mut wanted = choose(10).min(points.len() - at - 1);
         let order = |count: usize| -> Vec<[i32; 3]> {
             let mut order: Vec<[i32; 3]> = points[at..=at + count].to_vec();
             if count > 0 {
