@@ -335,6 +335,18 @@ HETATM    2  O   HOH A   2       9.000   0.000   0.000  1.00 10.00           O  
     }
 
     #[test]
+    fn the_legend_has_the_scheme_and_then_the_selections_in_their_order() {
+        let text = crate::scene::OverlayOptions { legend: true, ..Default::default() };
+        let colors = vec![(selection("index 3"), Srgb8::WHITE), (selection("index 1"), Srgb8::BLACK)];
+        let by_selection = BySelection { colors, ..BySelection::default() };
+        let structure = ethanol();
+        let scene =
+            Scene::new(&[Item::of(&structure)], &SceneOptions { by_selection, text, ..SceneOptions::default() });
+        let names: Vec<String> = scene.overlay.legend.iter().map(|row| row.names.join(", ")).collect();
+        assert_eq!(names, ["C", "Na", "index 3", "index 1"]);
+    }
+
+    #[test]
     fn ions_can_be_left_out() {
         let shown = shown_atoms(&ethanol(), &SceneOptions { ions: false, ..SceneOptions::default() });
         assert_eq!(shown, Some(vec![true, true, true, false]));

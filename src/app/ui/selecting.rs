@@ -128,7 +128,8 @@ fn field(ui: &mut Ui, state: &State, memory: &mut Memory, actions: &mut Vec<Acti
             text.wrap = egui::text::TextWrapping::truncate_at_width(ui.available_width() - 16.0);
             let line = egui::Button::selectable(memory.chosen == Some(index), text)
                 .min_size(egui::vec2(ui.available_width(), 20.0));
-            let line = ui.add(line);
+            // By its text: once it is taken others stand there, and the end of the click is none on them.
+            let line = ui.push_id(&completion.text, |ui| ui.add(line)).inner;
             line.widget_info(|| {
                 egui::WidgetInfo::labeled(egui::accesskit::Role::ListBoxOption, true, &completion.text)
             });

@@ -47,7 +47,7 @@ pub(super) fn rows<'a>(
                 let (rank, name) = match key {
                     Key::Selection(number) => {
                         let name = by_selection.get(number).map_or("", |(selection, _)| selection.text());
-                        (BY_SELECTION, name.to_owned())
+                        (BY_SELECTION.saturating_add(u8::try_from(number).unwrap_or(u8::MAX)), name.to_owned())
                     }
                     key => name_of(structure, key),
                 };
@@ -60,7 +60,7 @@ pub(super) fn rows<'a>(
     }
     // Stable: chains stay in the order of the files. Atoms without residues, coloured by element, come last.
     found.sort_by(|a, b| {
-        let by_name = || if matches!(a.0, CHAIN | BY_SELECTION) { Ordering::Equal } else { a.1.cmp(&b.1) };
+        let by_name = || if matches!(a.0, CHAIN | BY_SELECTION..) { Ordering::Equal } else { a.1.cmp(&b.1) };
         a.0.cmp(&b.0).then_with(by_name)
     });
     let mut rows: Vec<LegendRow> = Vec::new();
@@ -75,7 +75,7 @@ pub(super) fn rows<'a>(
 
 /// The rank of chains.
 const CHAIN: u8 = 0;
-/// That of what selections colour: behind all else.
+/// That of what the first selection colours, behind all else; the others follow.
 const BY_SELECTION: u8 = 5;
 
 fn key_of(color_by: ColorBy, structure: &Structure, atom: usize) -> Key {
