@@ -23,11 +23,25 @@ fn moved(structure: &Structure, step: f32) -> Structure {
     structure.with_frame(Frame { positions: Positions::from_relative(points, 3), ..frame })
 }
 
+fn in_frames(structure: &Structure) -> Item<'_> {
+    Item { kind: 7, ..Item::of(structure) }
+}
+
+#[test]
+fn selections_that_ask_places_are_asked_in_every_frame() {
+    let molecule = molecule("aspirin.sdf");
+    let items = [in_frames(&molecule)];
+    for (text, fits) in [("element O", true), ("within 2 of element O", false), ("not (element C and x < 0)", false)] {
+        let mut options = SceneOptions::default();
+        options.by_selection.hide.push(crate::select::Selection::parse(text).unwrap());
+        assert_eq!(Rig::new(&items, &options).fits(&items, &options), fits, "{text}");
+    }
+}
+
 #[test]
 fn a_moved_scene_is_the_one_made_anew() {
     for name in ["caffeine.sdf", "aspirin.sdf", "1crn.pdb", "ferrocene.xyz"] {
         let molecule = molecule(name);
-        let item = |structure| Item { kind: 7, ..Item::of(structure) };
         for style in Style::ALL {
             for aromatic in Aromatic::ALL {
                 let options = SceneOptions {
@@ -40,12 +54,12 @@ fn a_moved_scene_is_the_one_made_anew() {
                     }],
                     ..SceneOptions::default()
                 };
-                let first = [item(&molecule)];
+                let first = [in_frames(&molecule)];
                 let rig = Rig::new(&first, &options);
                 let options = SceneOptions { pose: Some(rig.scene(&first, &options).pose), ..options };
                 for step in [1.0, 2.0] {
                     let structure = moved(&molecule, step);
-                    let items = [item(&structure)];
+                    let items = [in_frames(&structure)];
                     assert!(rig.fits(&items, &options));
                     assert!(
                         rig.scene(&items, &options) == Scene::new(&items, &options),

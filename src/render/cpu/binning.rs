@@ -235,8 +235,6 @@ impl Framing {
 
 /// For each tile, row by row, its candidates.
 pub(super) struct Bins {
-    /// Pixels on a side of a tile.
-    pub(super) tile: u32,
     /// Tiles in x and y.
     pub(super) tiles: [u32; 2],
     /// All that reach into the picture.
@@ -261,7 +259,7 @@ impl Bins {
             framing.torus(&torus, first_torus + t)
         }));
         let (first, list) = share_out(tile, tiles, candidates.iter().map(|candidate| candidate.pixels));
-        Bins { tile, tiles, candidates, first, list }
+        Bins { tiles, candidates, first, list }
     }
 
     /// Whether nothing reaches into a tile.
