@@ -401,7 +401,7 @@ fn integers<'t>(parser: &mut Parser<'t>, token: &'t Token<'t>) -> Result<RangeIn
 fn residues<'t>(parser: &mut Parser<'t>, token: &'t Token<'t>) -> Result<(ResidueEnd, ResidueEnd), ParseError> {
     let end = |text: &str| -> Option<ResidueEnd> {
         let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
-        let code = match text[number.len()..].as_bytes() {
+        let code = match &text.as_bytes()[number.len()..] {
             [] => None,
             &[code] => Some(code),
             _ => return None,

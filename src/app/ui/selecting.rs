@@ -17,11 +17,14 @@ use egui::{Color32, FontSelection, Id, Key, Modifiers, RichText, Stroke, TextEdi
 use std::ops::Range;
 use std::sync::Arc;
 
+/// So many atoms, if they were counted, or what is wrong.
+type Found = Result<Option<usize>, ParseError>;
+
 /// What the field keeps from frame to frame.
 pub(super) struct Memory {
     text: String,
-    /// What was last asked, of which scene, and what was found: so many atoms, if they were counted.
-    asked: Option<(String, Arc<Built>, Result<Option<usize>, ParseError>)>,
+    /// What was last asked, of which scene, and what was found.
+    asked: Option<(String, Arc<Built>, Found)>,
     /// What can be written, at a place of which text.
     proposed: Option<(String, usize, Completions)>,
     /// Which of these the arrows have come to.

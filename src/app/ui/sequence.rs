@@ -17,6 +17,9 @@ use std::sync::Arc;
 /// A residue of a chain: its layer, and its number among the residues of that.
 type Place = (u32, usize);
 
+/// What is drawn of a layer.
+type Layer = (u32, Arc<Drawn>);
+
 /// A chain, and where its residues are among all of the list.
 struct Chain {
     name: String,
@@ -27,7 +30,7 @@ struct Chain {
 #[derive(Default)]
 pub(super) struct Memory {
     /// What the chains are of.
-    of: Vec<(u32, Arc<Drawn>)>,
+    of: Vec<Layer>,
     chains: Vec<Chain>,
     residues: Vec<(Place, char)>,
     picked: Option<Arc<Vec<AtomKey>>>,
@@ -47,8 +50,7 @@ impl Memory {
     /// Lists the chains of what is drawn.
     fn follow(&mut self, state: &State) {
         let drawn = &state.built.drawn;
-        let is_same =
-            |((a, one), (b, other)): (&(u32, Arc<Drawn>), &(u32, Arc<Drawn>))| a == b && Arc::ptr_eq(one, other);
+        let is_same = |((a, one), (b, other)): (&Layer, &Layer)| a == b && Arc::ptr_eq(one, other);
         if self.of.len() == drawn.len() && self.of.iter().zip(drawn).all(is_same) {
             return;
         }
