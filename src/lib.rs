@@ -93,8 +93,10 @@
 //! - A coarse mesh with smooth normals shades itself where the light grazes it: its faces are flat.
 //! - In a window drawn by a GPU there are no labels while something moves. The rings about picked atoms are drawn over the picture, in front of
 //!   what hides the atom, and are not in exports.
-//! - Sessions keep neither meshes laid over the molecule nor samples, and find atoms by their numbers. `--camera` writes one frame and one
-//!   view; files that show different frames are one command line only with the same.
+//! - Sessions find atoms by their numbers. `--camera` writes one frame and one
+//!   view; files that show different frames are one command line only with the same. WebP, PPM, NPY, GIF and MP4 files do not say how they were made.
+//! - A film of frames keeps the camera that fits the first one. In a GIF a pixel is there or not, and has one of 255 colours.
+//! - On Wayland without Xwayland pictures cannot be copied.
 //! - How far reading a file is can be told by its steps only; one that is given up is read to its end, unseen.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
 //! - Large pictures are drawn in strips, each of which sorts all primitives anew. JPEG and WebP are gathered in memory, 3 or 4 bytes a
@@ -110,9 +112,6 @@
 //! - Dative bonds do not keep which atom gives the pair.
 //! - Of meshes neither textures nor, in glTF, sparse accessors, compression, skins and morph targets are read; polygons of OBJ files are
 //!   fans, so that concave ones come out wrong. Vectors do not turn with symmetry operations: no format that states them has any.
-
-// `json!` takes two steps for each setting of a picture.
-#![recursion_limit = "256"]
 
 #[cfg(feature = "window")]
 pub mod app;

@@ -4,36 +4,13 @@ use super::build::{Maker, Waker};
 use super::work::Source;
 use crate::crystal::CrystalOptions;
 use crate::error::{Error, Result};
-use crate::import::{self, Document, ImportOptions};
+use crate::import::{Document, ImportOptions};
+use crate::session::samples;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Instant;
-
-/// What is part of the program: its name, what it shows, its file.
-pub(super) struct Sample {
-    pub(super) name: &'static str,
-    pub(super) says: &'static str,
-    file: &'static str,
-    bytes: &'static [u8],
-}
-
-macro_rules! sample {
-    ($name:literal, $says:literal, $file:literal) => {
-        Sample { name: $name, says: $says, file: $file, bytes: include_bytes!(concat!("../../data/", $file)) }
-    };
-}
-
-/// Molecules to begin with.
-pub(super) const SAMPLES: [Sample; 6] = [
-    sample!("Caffeine", "a small molecule with its bonds", "caffeine.sdf"),
-    sample!("Crambin", "a protein of 46 residues", "1crn.pdb"),
-    sample!("DNA", "with a protein that reads it", "1lcd.pdb.gz"),
-    sample!("Ferrocene", "iron between two rings", "ferrocene.xyz"),
-    sample!("Quartz", "a crystal, its cell drawn", "quartz.cif"),
-    sample!("Ethane", "a methyl group turns, frame by frame", "ethane-rotation.xyz"),
-];
 
 /// How far a file is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,6 +62,12 @@ impl Loader {
     pub(super) fn new(maker: Arc<Maker>, wake: Waker) -> Loader {
         let (sender, receiver) = channel();
         Loader { maker, wake, sender, receiver, under_way: Vec::new(), next: 1 }
+    }
+
+    /// A number for what comes without being read here.
+    pub(super) fn number(&mut self) -> u32 {
+        self.next += 1;
+        self.next - 1
     }
 
     /// Begins to read.
@@ -171,14 +154,7 @@ fn read(
     cancelled: &AtomicBool,
 ) -> Result<Arc<Document>> {
     let options = ImportOptions::default();
-    let document = match source {
-        Source::File(path) => import::read_path(path, &options)?,
-        Source::Sample(name) => {
-            let sample = SAMPLES.iter().find(|sample| sample.name == *name);
-            let sample = sample.ok_or_else(|| Error::Unsupported(format!("there is no sample called {name}")))?;
-            import::read_bytes(sample.bytes, sample.file, &options)?
-        }
-    };
+    let document = samples::read(&source.named(), &options)?;
     let document = Arc::new(document);
     if !cancelled.load(Ordering::Relaxed) {
         stage.store(Stage::Bonds as u8, Ordering::Relaxed);

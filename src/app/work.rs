@@ -4,6 +4,7 @@ use crate::crystal::CrystalOptions;
 use crate::import::Document;
 use crate::render::Quality;
 use crate::scene::{AtomPlace, Camera, Measurement, SceneOptions};
+use crate::session::samples::{self, Sample};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -11,12 +12,17 @@ use std::sync::Arc;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Source {
     File(PathBuf),
-    /// The name of a molecule that is part of the program.
-    Sample(&'static str),
+    /// A molecule that is part of the program.
+    Sample(&'static Sample),
 }
 
 impl Source {
-    /// Where it can be read again; standard input and what is part of the program cannot.
+    /// What a path stands for.
+    pub(super) fn of(path: PathBuf) -> Source {
+        samples::of_path(&path).map_or(Source::File(path), Source::Sample)
+    }
+
+    /// Where it lies; standard input and what is part of the program lie nowhere.
     pub(super) fn path(&self) -> Option<&Path> {
         match self {
             Source::File(path) if path.as_os_str() != "-" => Some(path),
@@ -24,11 +30,24 @@ impl Source {
         }
     }
 
+    /// What a command line or a session calls it.
+    pub(super) fn named(&self) -> PathBuf {
+        match self {
+            Source::File(path) => path.clone(),
+            Source::Sample(sample) => sample.path(),
+        }
+    }
+
+    /// Whether it cannot be read again.
+    pub(super) fn is_gone(&self) -> bool {
+        *self == Source::File("-".into())
+    }
+
     /// A short name for people.
     pub(super) fn name(&self) -> String {
         match self {
             Source::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
-            Source::Sample(name) => (*name).to_owned(),
+            Source::Sample(sample) => sample.name.to_owned(),
         }
     }
 }
@@ -65,6 +84,8 @@ pub(super) struct Work {
     pub(super) layers: Vec<Layer>,
     /// Without measurements, which have their atoms by layer here.
     pub(super) scene: SceneOptions,
+    /// Where the meshes come from that are laid over the molecule.
+    pub(super) overlay: Arc<Vec<PathBuf>>,
     pub(super) crystal: CrystalOptions,
     pub(super) cell_box: Option<bool>,
     pub(super) quality: Quality,

@@ -6,7 +6,8 @@ use super::values::RecordChoice;
 use crate::bonds::{self, BondMode, BondOptions};
 use crate::crystal::{self, CellChoice, CrystalOptions, Drawn};
 use crate::error::{Error, Result};
-use crate::import::{self, Document, Format, ImportOptions};
+use crate::import::{Document, Format, ImportOptions};
+use crate::session::{Session, samples};
 use crate::structure::{Bond, BondKind, Structure};
 use std::path::Path;
 use std::time::Instant;
@@ -25,7 +26,13 @@ pub(super) fn read(path: &Path, report: &Report) -> Result<Document> {
 
 /// The same for a file of which the format is said.
 pub(super) fn read_as(path: &Path, format: Option<Format>, report: &Report) -> Result<Document> {
-    let document = import::read_path(path, &ImportOptions { format, ..ImportOptions::default() })?;
+    let document = match samples::read(path, &ImportOptions { format, ..ImportOptions::default() }) {
+        Err(Error::Input { .. } | Error::Unsupported(_)) if Session::is_at(path) => {
+            let message = "this is a session, or a picture with one: it is drawn alone, ballstick render FILE -o OUT, or opened in the window";
+            return Err(Error::Unsupported(message.to_owned()));
+        }
+        read => read?,
+    };
     for diagnostic in &document.diagnostics {
         report.diagnostic(path, diagnostic);
     }
@@ -42,6 +49,20 @@ pub(super) fn load_for_picture(
 ) -> Result<Vec<Drawn>> {
     let started = Instant::now();
     let document = read(path, report)?;
+    seconds.read += started.elapsed().as_secs_f64();
+    drawn_of(document, path, select, (bond_args, crystal_args), report, seconds)
+}
+
+/// What is drawn of a document.
+pub(super) fn drawn_of(
+    document: Document,
+    path: &Path,
+    select: &SelectArgs,
+    (bond_args, crystal_args): (BondArgs, CrystalArgs),
+    report: &Report,
+    seconds: &mut LoadSeconds,
+) -> Result<Vec<Drawn>> {
+    let started = Instant::now();
     let select = match select {
         // One thing is drawn unless something is said.
         SelectArgs { frame: None, record: None } => {

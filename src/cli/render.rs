@@ -11,9 +11,11 @@ use crate::error::{Error, Result};
 use crate::import;
 use crate::render::{Choice, Quality, Renderer, Selection, Settings, View, crop, select};
 use crate::scene::{
-    AltlocChoice, Aromatic, AtomPlace, Background, ColorBy, DepthOfField, Item, LabelContent, LightFrame, Look,
-    Measurement, Orientation, OverlayOptions, Scene, SceneOptions, Style, VectorChoice, vector_scales,
+    AltlocChoice, Aromatic, AtomPlace, Background, Camera, ColorBy, DepthOfField, Item, LabelContent, LightFrame, Look,
+    Measurement, Orientation, OverlayOptions, Scene, SceneOptions, Style, VectorChoice, Viewpoint, vector_scales,
 };
+#[cfg(feature = "window")]
+use crate::session::Session;
 use crate::structure::Mesh;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -40,7 +42,10 @@ pub(super) struct Drawer {
 struct Loaded {
     scene: Arc<Scene>,
     view: View,
+    viewpoint: Viewpoint,
     settings: Settings,
+    /// Where a turn begins.
+    start: Camera,
 }
 
 impl Drawer {
@@ -96,11 +101,16 @@ impl Draw for Drawer {
             Some(viewpoint) => viewpoint.camera(&scene),
             None => scene.fitted_camera(size.width as f32 / size.height as f32),
         };
+        let viewpoint = match args.look.camera {
+            // With the digits that were asked for, so that a picture made again says the same of itself.
+            Some(asked) => Viewpoint { exact: Viewpoint::of(&scene, &camera).exact, ..asked },
+            None => Viewpoint::of(&scene, &camera),
+        };
         check_measurements(&args.look, &scene)?;
         let view = View::new(camera, size.width, size.height);
         self.notes = vector_notes(&items, &options);
         self.missing = missing_labels(&args.look.text, drawn);
-        self.loaded = Some(Loaded { scene, view, settings: settings(args) });
+        self.loaded = Some(Loaded { scene, view, viewpoint, settings: settings(args), start: camera });
         Ok(())
     }
 
@@ -120,6 +130,25 @@ impl Draw for Drawer {
     fn seen(&mut self) -> Result<Option<Region>> {
         let (renderer, loaded) = self.ready()?;
         crop::seen_region(renderer, &loaded.scene, &loaded.view, &loaded.settings)
+    }
+
+    fn turntable(&mut self, fitted: bool, size: Size) {
+        let Some(loaded) = &mut self.loaded else { return };
+        if fitted {
+            loaded.view.camera = loaded.scene.turntable_camera(size.width as f32 / size.height as f32);
+            loaded.viewpoint = Viewpoint::of(&loaded.scene, &loaded.view.camera);
+        }
+        loaded.start = loaded.view.camera;
+    }
+
+    fn turn(&mut self, angle_rad: f32) {
+        if let Some(loaded) = &mut self.loaded {
+            loaded.view.camera = loaded.start.turned(angle_rad);
+        }
+    }
+
+    fn viewpoint(&self) -> Option<Viewpoint> {
+        self.loaded.as_ref().map(|loaded| loaded.viewpoint)
     }
 
     fn renderer(&self) -> String {
@@ -143,7 +172,8 @@ impl Draw for Drawer {
     }
 }
 
-fn settings(args: &RenderArgs) -> Settings {
+/// Samples and directions of the sky.
+pub(super) fn settings(args: &RenderArgs) -> Settings {
     let mut settings = Quality::from_name(&args.quality.name()).unwrap_or_default().settings();
     if args.look.depth_of_field.is_some() {
         settings = settings.through_lens();
@@ -274,23 +304,23 @@ fn missing_labels(text: &TextArgs, drawn: &[Drawn]) -> Option<String> {
         .then(|| "--label residue has no effect: the file gives no residues".to_owned())
 }
 
-/// What the window starts with. A direction of the lattice needs a cell, so with `--axis` the first file is read here as well.
+/// What the window starts with. A direction of the lattice needs a cell, so with `--axis` the first file is read here, for the window as well.
 #[cfg(feature = "window")]
 pub(super) fn window_options(
     args: &super::args::ViewArgs,
     report: &super::report::Report,
 ) -> Result<crate::app::Options> {
     let needs_structure = args.look.axis.is_some() || VectorChoice::from_name(&args.look.vectors) != VectorChoice::None;
-    let drawn = match args.files.first().filter(|_| needs_structure) {
-        Some(file) => super::load::load_for_picture(
-            file,
-            &Default::default(),
-            (args.bonds, args.crystal),
-            report,
-            &mut Default::default(),
-        )?,
-        None => Vec::new(),
-    };
+    // A session has a view and vectors of its own.
+    let first = args.files.first().filter(|file| needs_structure && !Session::is_at(file));
+    let (mut drawn, mut document) = (Vec::new(), None);
+    if let Some(file) = first {
+        let read = super::load::read(file, report)?;
+        let crystal = super::load::crystal_options(args.bonds, args.crystal);
+        let shown = read.at_frame(0).map(|structure| crate::crystal::draw(structure, &crystal)).transpose()?;
+        drawn.extend(shown);
+        document = Some(Arc::new(read));
+    }
     let mut scene = scene_options(&args.look, &drawn)?;
     let mut notices = Vec::new();
     scene.overlay = overlay(&args.look, &mut notices)?;
@@ -301,12 +331,14 @@ pub(super) fn window_options(
     let measurements = std::mem::take(&mut scene.measurements);
     Ok(crate::app::Options {
         scene,
+        overlay: args.look.overlay.clone(),
         measurements,
         crystal: super::load::crystal_options(args.bonds, args.crystal),
         cell_box: args.crystal.has_box(),
         quality: Quality::default(),
         renderer: Choice::from_name(&args.renderer.renderer.name()).unwrap_or_default(),
         viewpoint: args.look.camera,
+        first: document,
     })
 }
 
