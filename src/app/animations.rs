@@ -203,7 +203,9 @@ fn draw(job: &Job, format: AnimationFormat, path: &std::path::Path, done: &Atomi
     let background = job.work.scene.background;
     let alpha = background == Background::Transparent;
     if alpha && !format.holds_alpha() {
-        return Err(Error::Unsupported("mp4 keeps no transparent background; save as gif or apng, or choose a colour".to_owned()));
+        return Err(Error::Unsupported(
+            "mp4 keeps no transparent background; save as gif or apng, or choose a colour".to_owned(),
+        ));
     }
     let mut renderer = select(job.choice)?.renderer;
     renderer.load(Arc::clone(&job.scene))?;
@@ -293,7 +295,10 @@ mod tests {
             assert_eq!(reader.info().animation_control.unwrap().num_frames, 3);
             let session = Session::read(&path).unwrap();
             let picture = session.picture.unwrap();
-            assert_eq!((picture.turntable, picture.frames.is_some()), (frames.map_or(Some(3), |_| None), frames.is_some()));
+            assert_eq!(
+                (picture.turntable, picture.frames.is_some()),
+                (frames.map_or(Some(3), |_| None), frames.is_some())
+            );
             assert!(session.files[0].sha256.is_some());
         }
     }

@@ -16,7 +16,11 @@ impl Clipboard {
     pub(super) fn picture(&mut self, image: &Image) -> Result<(), String> {
         let failed = |error: arboard::Error| {
             let wayland = std::env::var_os("WAYLAND_DISPLAY").is_some() && std::env::var_os("DISPLAY").is_none();
-            let why = if wayland { "Wayland gives this program no clipboard for pictures".to_owned() } else { error.to_string() };
+            let why = if wayland {
+                "Wayland gives this program no clipboard for pictures".to_owned()
+            } else {
+                error.to_string()
+            };
             format!("The picture cannot be copied: {why}. Save it with S.")
         };
         let system = match self.system.take() {

@@ -130,8 +130,9 @@ pub(super) fn proposed(state: &State) -> String {
 /// Saves the session.
 pub(super) fn save(state: &mut State, path: &Path) {
     if state.work.layers.iter().any(|layer| layer.source.is_gone()) {
-        return state
-            .complain("A session keeps the paths of files, and standard input has none: open the molecule from a file.");
+        return state.complain(
+            "A session keeps the paths of files, and standard input has none: open the molecule from a file.",
+        );
     }
     if path.exists() && !is_session(path) {
         let path = path.display();
@@ -175,9 +176,8 @@ pub(super) fn failed(state: &mut State) {
 /// Takes a file that was read if a session waits for it.
 pub(super) fn arrived(state: &mut State, layer: &Layer) -> bool {
     let Some(opening) = &mut state.opening else { return false };
-    let is_it = |(file, place): &(&File, &mut Option<Layer>)| {
-        place.is_none() && layer.source == Source::of(file.path.clone())
-    };
+    let is_it =
+        |(file, place): &(&File, &mut Option<Layer>)| place.is_none() && layer.source == Source::of(file.path.clone());
     let Some((file, place)) = opening.session.files.iter().zip(&mut opening.layers).find(is_it) else { return false };
     let last = layer.document.frame_count().saturating_sub(1);
     // The frames of a record come after those of all before it.
@@ -205,7 +205,8 @@ pub(super) fn finish(state: &mut State) {
         }
     }
     let is_whole = opening.layers.iter().all(Option::is_some) && matches!(opening.meshes, Meshes::There(_));
-    let Some(Opening { session, settings, layers, meshes: Meshes::There(meshes) }) = state.opening.take_if(|_| is_whole)
+    let Some(Opening { session, settings, layers, meshes: Meshes::There(meshes) }) =
+        state.opening.take_if(|_| is_whole)
     else {
         return;
     };

@@ -1,8 +1,8 @@
 //! The system's window: its events to egui and the state, what they give to the screen.
 
 use super::action::Action;
-use super::clipboard::Clipboard;
 use super::build::Waker;
+use super::clipboard::Clipboard;
 use super::files::Dialogs;
 use super::preferences::Preferences;
 use super::screen::{Interface, Screen};
@@ -204,7 +204,9 @@ impl App {
                 Request::Open => self.dialogs.open(),
                 Request::Copy(text) => open.egui.set_clipboard_text(text),
                 Request::CopyImage(image) => match self.clipboard.picture(&image) {
-                    Ok(()) => self.state.say(format!("The picture is on the clipboard: {} × {} pixels.", image.width, image.height)),
+                    Ok(()) => self
+                        .state
+                        .say(format!("The picture is on the clipboard: {} × {} pixels.", image.width, image.height)),
                     Err(why) => self.state.complain(why),
                 },
                 Request::Quit => event_loop.exit(),

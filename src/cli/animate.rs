@@ -171,7 +171,8 @@ fn one(
         true => (None, Some(args.frames.unwrap_or(FrameRange::ALL))),
         false => (Some(args.turntable.unwrap_or(TURN_FRAMES)), None),
     };
-    let count = if plays { u32::try_from(frames.len()).unwrap_or(u32::MAX) } else { args.turntable.unwrap_or(TURN_FRAMES) };
+    let count =
+        if plays { u32::try_from(frames.len()).unwrap_or(u32::MAX) } else { args.turntable.unwrap_or(TURN_FRAMES) };
     let total = animation::drawn_frames(format, count);
     report.start(total as usize);
     let report = &*report;
@@ -188,7 +189,14 @@ fn one(
                 _ => {
                     let crystal = (args.bonds, args.crystal);
                     let again = input.document.clone();
-                    drawn.extend(load::drawn_of(again, input.path, &input.select, crystal, report, &mut LoadSeconds::default())?);
+                    drawn.extend(load::drawn_of(
+                        again,
+                        input.path,
+                        &input.select,
+                        crystal,
+                        report,
+                        &mut LoadSeconds::default(),
+                    )?);
                 }
             }
         }

@@ -8,7 +8,7 @@ use super::args::RenderArgs;
 use super::report::Report;
 use super::size::PictureSize;
 use crate::error::Error;
-use crate::scene::Viewpoint;
+use crate::scene::{Pose, Viewpoint};
 use crate::session::{File, Session, samples, sums};
 use std::collections::HashSet;
 use std::ffi::OsString;
@@ -22,6 +22,8 @@ pub struct Origin {
     pub frames: Vec<NonZeroU32>,
     /// Whether the view is the fitted one of that picture.
     pub fitted: bool,
+    /// How the molecule stands where the camera is fitted anew.
+    pub pose: Option<Pose>,
 }
 
 /// Flags that take the place of others when they are typed. What is typed itself always does.
@@ -61,8 +63,11 @@ fn typed(arguments: &[OsString]) -> HashSet<String> {
 /// The command line with a session's flags before those that are typed.
 pub(super) fn expanded(arguments: &[OsString], session: &Session) -> Vec<OsString> {
     let typed = typed(arguments);
-    let replaced: HashSet<&str> =
-        REPLACES.iter().filter(|(name, _)| typed.contains(*name)).flat_map(|(_, others)| others.iter().copied()).collect();
+    let replaced: HashSet<&str> = REPLACES
+        .iter()
+        .filter(|(name, _)| typed.contains(*name))
+        .flat_map(|(_, others)| others.iter().copied())
+        .collect();
     // The background of a look goes with it, unless another one was chosen.
     let of_look = crate::scene::Look::from_name(&session.look).unwrap_or_default().background().to_string();
     let goes_with_look = typed.contains("look") && session.background == of_look;
@@ -122,16 +127,21 @@ pub(super) fn complete(
         }
     }
     let typed_any = |names: &[&str]| names.iter().any(|name| typed.contains(*name));
-    let keeps_shape = !typed_any(&["size", "dpi"]) || session.picture.as_ref().is_some_and(|picture| shape(args, &picture.size));
+    let keeps_shape =
+        !typed_any(&["size", "dpi"]) || session.picture.as_ref().is_some_and(|picture| shape(args, &picture.size));
     // A fitted view is fitted anew to what is new; one that was chosen stays.
-    let is_refitted = session.fitted && (is_another || !keeps_shape || typed.contains("projection"));
-    if !typed_any(&["camera", "view", "axis"]) && !is_refitted {
-        let viewpoint = session.camera.as_deref().and_then(|text| text.parse::<Viewpoint>().ok());
-        let perspective = args.look.projection == super::args::ProjectionArg::Perspective;
-        args.look.camera = match viewpoint {
-            Some(viewpoint) if typed.contains("projection") => Some(viewpoint.in_perspective(perspective)),
-            viewpoint => viewpoint,
-        };
+    // A session that is in no picture fitted the shape of a window.
+    let is_refitted =
+        session.fitted && (is_another || !keeps_shape || typed.contains("projection") || session.picture.is_none());
+    let viewpoint = session.camera.as_deref().and_then(|text| text.parse::<Viewpoint>().ok());
+    match viewpoint {
+        Some(_) if typed_any(&["camera", "view", "axis"]) => {}
+        Some(viewpoint) if is_refitted => args.origin.pose = Some(viewpoint.pose).filter(|_| !is_another),
+        Some(viewpoint) if typed.contains("projection") => {
+            let perspective = args.look.projection == super::args::ProjectionArg::Perspective;
+            args.look.camera = Some(viewpoint.in_perspective(perspective));
+        }
+        viewpoint => args.look.camera = args.look.camera.or(viewpoint),
     }
     if !typed_any(&["frame", "frames"]) {
         args.origin.frames = shown.iter().filter_map(|file| NonZeroU32::new(file.frame)).collect();

@@ -66,7 +66,8 @@ pub(super) fn plan(files: &[PathBuf], output: &Path, to: Option<&str>) -> Result
         return Err("- is given twice, but standard input can be read only once".to_owned());
     }
     let to = to.map(|name| {
-        PictureFormat::from_name(name).ok_or_else(|| format!("--to {name}: use png, jpg, webp, ppm or npy, or gif, apng or mp4 for films"))
+        PictureFormat::from_name(name)
+            .ok_or_else(|| format!("--to {name}: use png, jpg, webp, ppm or npy, or gif, apng or mp4 for films"))
     });
     let to = to.transpose()?;
     let by_name = || PictureFormat::from_path(output).map_err(|error| error.to_string());

@@ -82,6 +82,7 @@ impl Draw for Drawer {
             let message = "--overlay stands in the coordinates of the file, and --record all moves the records: give one --record";
             return Err(Error::input(None, message));
         }
+        options.pose = options.pose.or(args.origin.pose);
         options.overlay = match self.meshes.take() {
             Some(read) => read,
             None => overlay(&args.look, &mut self.notices)?,

@@ -210,7 +210,8 @@ impl Scene {
     #[must_use]
     pub fn turntable_camera(&self, aspect: f32) -> Camera {
         let middle = self.bounds.center();
-        let turns = (0..fit::TURNS).map(|turn| Quat::from_rotation_y(std::f32::consts::TAU * turn as f32 / fit::TURNS as f32));
+        let turns =
+            (0..fit::TURNS).map(|turn| Quat::from_rotation_y(std::f32::consts::TAU * turn as f32 / fit::TURNS as f32));
         let turned = turns.flat_map(move |turn| {
             self.world_extent().map(move |(center, radius)| (middle + turn * (center - middle), radius))
         });

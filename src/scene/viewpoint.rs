@@ -162,8 +162,10 @@ impl std::str::FromStr for Viewpoint {
         let distance = Some(f(14)).filter(positive).ok_or_else(wrong)?;
         let center = DVec3::new(numbers[0], numbers[1], numbers[2]);
         let pose = Pose { center, turn: pose_turn, pitch_rad: f(15) };
-        let exact = (numbers.len() == 21).then(|| Exact { eye: Vec3::new(f(16), f(17), f(18)), near: f(19), far: f(20) });
-        let is_sound = |Exact { eye, near, far }: &Exact| eye.is_finite() && *near > 0.0 && far > near && far.is_finite();
+        let exact =
+            (numbers.len() == 21).then(|| Exact { eye: Vec3::new(f(16), f(17), f(18)), near: f(19), far: f(20) });
+        let is_sound =
+            |Exact { eye, near, far }: &Exact| eye.is_finite() && *near > 0.0 && far > near && far.is_finite();
         if exact.as_ref().is_some_and(|exact| !is_sound(exact)) {
             return Err(wrong());
         }
@@ -226,7 +228,15 @@ mod tests {
         let good = good.to_string();
         assert!(good.parse::<Viewpoint>().is_ok());
         let zeros = format!("{}p24", "0,".repeat(16));
-        for bad in ["", "1,2,3", &good.replace(",p", ",q"), &good.replace(",p", ",p-"), &format!("1,{good}"), &zeros, &good.replace(",p", ",nan,p")] {
+        for bad in [
+            "",
+            "1,2,3",
+            &good.replace(",p", ",q"),
+            &good.replace(",p", ",p-"),
+            &format!("1,{good}"),
+            &zeros,
+            &good.replace(",p", ",nan,p"),
+        ] {
             assert!(bad.parse::<Viewpoint>().is_err(), "{bad}");
         }
     }

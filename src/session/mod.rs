@@ -366,11 +366,11 @@ impl Session {
     #[must_use]
     pub fn is_at(path: &Path) -> bool {
         use std::io::Read;
-        let Ok(file) = std::fs::File::open(path) else { return false };
-        // A pipe would be read to its end, and then have nothing for its reader.
-        if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
+        // To open a pipe waits for its writer, and what is read from it here its reader does not get.
+        if !std::fs::metadata(path).is_ok_and(|metadata| metadata.is_file()) {
             return false;
         }
+        let Ok(file) = std::fs::File::open(path) else { return false };
         let mut start = Vec::new();
         file.take(HEAD_BYTES as u64).read_to_end(&mut start).is_ok() && Session::is_one(&start)
     }

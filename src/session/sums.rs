@@ -27,11 +27,11 @@ pub fn of_file(path: &Path) -> Result<Option<String>> {
         return Ok(None);
     }
     let failed = |source| Error::Io { action: "read", path: path.to_owned(), source };
-    let mut file = std::fs::File::open(path).map_err(failed)?;
     // A pipe was read already and gives nothing more, or waits for ever.
-    if !file.metadata().map_err(failed)?.is_file() {
+    if !std::fs::metadata(path).map_err(failed)?.is_file() {
         return Ok(None);
     }
+    let mut file = std::fs::File::open(path).map_err(failed)?;
     let (mut sum, mut piece) = (Sha256::new(), vec![0; PIECE]);
     loop {
         match file.read(&mut piece) {

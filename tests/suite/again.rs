@@ -3,14 +3,15 @@
 use crate::cli::{Case, METHANE, WATER};
 use std::fs;
 
-const TETRAHEDRON: &str = "v 0 0 1.5\nv 1.4 0 -0.5\nv -0.7 1.2 -0.5\nv -0.7 -1.2 -0.5\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n";
+const TETRAHEDRON: &str =
+    "v 0 0 1.5\nv 1.4 0 -0.5\nv -0.7 1.2 -0.5\nv -0.7 -1.2 -0.5\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n";
 const FRAMES: &str = "2\n\nO 0 0 0\nH 1 0 0\n2\n\nO 0 0 0\nH 0 1 0\n2\n\nO 0 0 0\nH 0 0 1\n";
 
 /// Draws with these flags, then again from the picture alone, and compares the files byte for byte.
 fn is_made_again(case: &Case, extension: &str, files: &[&str], flags: &[&str]) {
     let first = format!("first.{extension}");
     let again = format!("again.{extension}");
-    let line = [&["render"], files, &["-o", &first, "--renderer", "cpu"], flags].concat();
+    let line = [&["render"][..], files, &["-o", &first, "--renderer", "cpu"], flags].concat();
     case.run(&line).status(0);
     case.run(&["render", "--from", &first, "-o", &again]).status(0);
     assert!(fs::read(case.path(&first)).unwrap() == fs::read(case.path(&again)).unwrap(), "{flags:?}");
@@ -18,7 +19,8 @@ fn is_made_again(case: &Case, extension: &str, files: &[&str], flags: &[&str]) {
 
 #[test]
 fn a_picture_is_made_again_to_the_last_byte() {
-    let case = Case::new(&[("water.xyz", WATER), ("methane.xyz", METHANE), ("frames.xyz", FRAMES), ("t.obj", TETRAHEDRON)]);
+    let case =
+        Case::new(&[("water.xyz", WATER), ("methane.xyz", METHANE), ("frames.xyz", FRAMES), ("t.obj", TETRAHEDRON)]);
     fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/data/quartz.cif"), case.path("quartz.cif")).unwrap();
     let many = [
         "--size=61x47",
@@ -52,7 +54,7 @@ fn a_picture_is_made_again_to_the_last_byte() {
         "--altloc=all",
     ];
     is_made_again(&case, "png", &["water.xyz", "methane.xyz"], &many);
-    let small = |flags: &[&'static str]| [&["--size=48x36", "--quality=draft"], flags].concat();
+    let small = |flags: &[&'static str]| [&["--size=48x36", "--quality=draft"][..], flags].concat();
     is_made_again(&case, "png", &["frames.xyz"], &small(&["--frame=2", "--no-ground", "--projection=orthographic"]));
     is_made_again(&case, "png", &["frames.xyz"], &small(&["--record=all", "--bonds=perceive"]));
     is_made_again(&case, "jpg", &["sample:caffeine"], &small(&["--no-hydrogens", "--crop=auto,2"]));
@@ -69,17 +71,25 @@ fn other_flags_count_and_a_fitted_view_follows_them() {
     let draw = |line: &str| case.run(&line.split(' ').collect::<Vec<_>>()).status(0);
     let same = |a: &str, b: &str| fs::read(case.path(a)).unwrap() == fs::read(case.path(b)).unwrap();
     draw("render water.xyz -o a.png --renderer cpu --size 40x30 --style licorice --quality draft --look dark");
-    draw("render --from a.png -o b.png --size 30x40 --style=wireframe --look studio --quality standard --samples 2 --view top");
-    draw("render water.xyz -o c.png --renderer cpu --size 30x40 --style wireframe --quality standard --samples 2 --view top");
+    draw(
+        "render --from a.png -o b.png --size 30x40 --style=wireframe --look studio --quality standard --samples 2 --view top",
+    );
+    draw(
+        "render water.xyz -o c.png --renderer cpu --size 30x40 --style wireframe --quality standard --samples 2 --view top",
+    );
     assert!(same("b.png", "c.png"));
     // Twice as large is the same view; another shape is fitted anew.
     for size in ["80x60", "60x80"] {
         draw(&format!("render --from a.png -o b.png --size {size}"));
-        draw(&format!("render water.xyz -o c.png --renderer cpu --size {size} --style licorice --quality draft --look dark"));
+        draw(&format!(
+            "render water.xyz -o c.png --renderer cpu --size {size} --style licorice --quality draft --look dark"
+        ));
         assert!(same("b.png", "c.png"), "{size}");
     }
     draw("render --from a.png -o b.png --projection orthographic --no-ground");
-    draw("render water.xyz -o c.png --renderer cpu --size 40x30 --style licorice --quality draft --look dark --projection orthographic --no-ground");
+    draw(
+        "render water.xyz -o c.png --renderer cpu --size 40x30 --style licorice --quality draft --look dark --projection orthographic --no-ground",
+    );
     assert!(same("b.png", "c.png"));
 }
 

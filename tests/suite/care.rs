@@ -66,7 +66,12 @@ fn frames_play_atoms_are_measured_and_the_saved_picture_is_made_again() {
     std::fs::copy(data("ethane-rotation.xyz"), &file).unwrap();
     let window = open(&display, &file, folder.path(), preferences.path());
     let (path, first) = first_picture(&display, folder.path(), "ethane");
-    let count = || std::fs::read_dir(&folder).unwrap().filter(|entry| entry.as_ref().unwrap().path().extension().is_some_and(|e| e == "png")).count();
+    let count = || {
+        std::fs::read_dir(&folder)
+            .unwrap()
+            .filter(|entry| entry.as_ref().unwrap().path().extension().is_some_and(|e| e == "png"))
+            .count()
+    };
     let next = || folder.path().join(format!("ethane-{}.png", 1 + count()));
     let ids = ids(folder.path(), path.file_name().unwrap().to_str().unwrap());
 

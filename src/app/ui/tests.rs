@@ -1,6 +1,6 @@
 use super::Memory;
 use crate::app::action::Action;
-use crate::app::state::State;
+use crate::app::state::{Request, State};
 use crate::app::state::tests::{opened, state};
 use crate::scene::{Background, ColorBy, Style};
 use egui::accesskit::Role;
@@ -324,4 +324,26 @@ fn the_list_of_atoms_makes_only_the_rows_that_are_seen_and_picks() {
     harness.get_by_label_contains("2   CA of THR 1").click();
     steps(&mut harness);
     assert_eq!(harness.state().state.work.picked[0].atom, 1);
+}
+
+#[test]
+fn a_film_is_asked_for_and_copying_means_the_picture() {
+    let mut harness = harness(opened(&["ethane-rotation.xyz"]));
+    press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::P);
+    assert!(harness.query_by_label("Save animation").is_some());
+    harness.get_by_label("Turntable").click();
+    steps(&mut harness);
+    harness.get_by_label("APNG").click();
+    steps(&mut harness);
+    let dialog = harness.state().state.shown.animation.clone().unwrap();
+    assert_eq!(dialog.kind, crate::app::animations::Kind::Turntable(100));
+    assert!(dialog.path.ends_with(".apng"), "{}", dialog.path);
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    assert!(harness.query_by_label("Save animation").is_none());
+    harness.event(egui::Event::Copy);
+    steps(&mut harness);
+    let is_asked = |state: &State| {
+        state.pictures.is_copying || state.requests.iter().any(|request| matches!(request, Request::CopyImage(_)))
+    };
+    assert!(is_asked(&harness.state().state));
 }

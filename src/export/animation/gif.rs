@@ -42,10 +42,7 @@ pub(super) fn sampled(frames: u32) -> impl Iterator<Item = u32> {
 }
 
 /// The colours for all frames, up to 255.
-pub(super) fn palette(
-    options: &AnimationOptions,
-    draw: &mut dyn FnMut(u32) -> Result<Image>,
-) -> Result<Vec<[u8; 3]>> {
+pub(super) fn palette(options: &AnimationOptions, draw: &mut dyn FnMut(u32) -> Result<Image>) -> Result<Vec<[u8; 3]>> {
     let mut counts: HashMap<[u8; 3], usize> = HashMap::new();
     for index in sampled(options.frames) {
         let image = draw(index)?;
@@ -64,7 +61,8 @@ pub(super) fn palette(
     let mut palette: Vec<[u8; 3]> = if colors.len() < most {
         colors.iter().map(|(color, _)| *color).collect()
     } else {
-        let repeated = |(color, count): &([u8; 3], usize)| vec![[color[0], color[1], color[2], 255]; COUNTED.min(*count)];
+        let repeated =
+            |(color, count): &([u8; 3], usize)| vec![[color[0], color[1], color[2], 255]; COUNTED.min(*count)];
         let pixels: Vec<u8> = colors.iter().flat_map(repeated).flatten().collect();
         let learned = NeuQuant::new(FACTION, most - 1, &pixels).color_map_rgb();
         learned.chunks_exact(3).map(|color| [color[0], color[1], color[2]]).take(most - 1).collect()

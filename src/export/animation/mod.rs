@@ -72,9 +72,9 @@ impl AnimationFormat {
     #[must_use]
     pub fn max_side(self) -> u32 {
         match self {
-            AnimationFormat::Gif => 65_535,         // GIF89a, 18: 16 bits
+            AnimationFormat::Gif => 65_535,           // GIF89a, 18: 16 bits
             AnimationFormat::Apng => i32::MAX as u32, // PNG 3rd edition, 4.1: 31 bits
-            AnimationFormat::Mp4 => 8_192,          // H.264, level 6.2 (table A-1), to the next power of two below
+            AnimationFormat::Mp4 => 8_192,            // H.264, level 6.2 (table A-1), to the next power of two below
         }
     }
 }
@@ -132,7 +132,9 @@ pub fn write(
             }
             let ffmpeg = mp4::find()?;
             keeping_errors(draw, |draw| {
-                atomic::write_by_path(path, |place| run(Box::new(mp4::Mp4::new(&ffmpeg, options, place)?), options, draw))
+                atomic::write_by_path(path, |place| {
+                    run(Box::new(mp4::Mp4::new(&ffmpeg, options, place)?), options, draw)
+                })
             })
         }
         AnimationFormat::Gif => {

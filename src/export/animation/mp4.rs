@@ -19,11 +19,8 @@ pub(super) struct Ffmpeg {
 }
 
 /// Encoders of ffmpeg, the best first; a build without patents' licences lacks the first ones. Qualities chosen: no blocks are seen on edges.
-const ENCODERS: [&[&str]; 3] = [
-    &["libx264", "-preset", "medium", "-crf", "16"],
-    &["libopenh264", "-b:v", "12M"],
-    &["mpeg4", "-q:v", "2"],
-];
+const ENCODERS: [&[&str]; 3] =
+    [&["libx264", "-preset", "medium", "-crf", "16"], &["libopenh264", "-b:v", "12M"], &["mpeg4", "-q:v", "2"]];
 
 /// Looks for ffmpeg.
 pub(super) fn find() -> Result<Ffmpeg> {
@@ -36,11 +33,15 @@ pub(super) fn find() -> Result<Ffmpeg> {
                     .to_owned(),
             ));
         }
-        Err(error) => return Err(Error::Unsupported(format!("ffmpeg cannot be started: {error}; write a .gif or .apng"))),
+        Err(error) => {
+            return Err(Error::Unsupported(format!("ffmpeg cannot be started: {error}; write a .gif or .apng")));
+        }
     };
     let has = |name: &str| listed.lines().any(|line| line.split_whitespace().nth(1) == Some(name));
     let encoder = ENCODERS.into_iter().find(|encoder| has(encoder[0])).ok_or_else(|| {
-        Error::Unsupported("this ffmpeg has no encoder for mp4 (libx264, libopenh264, mpeg4); write a .gif or .apng".to_owned())
+        Error::Unsupported(
+            "this ffmpeg has no encoder for mp4 (libx264, libopenh264, mpeg4); write a .gif or .apng".to_owned(),
+        )
     })?;
     Ok(Ffmpeg { encoder })
 }
