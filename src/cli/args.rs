@@ -677,7 +677,7 @@ mod tests {
                 quality: Default::default(),
                 viewpoint,
             });
-            session.files = vec![crate::session::File { path: "a.xyz".into(), frame: 1, visible: true }];
+            session.files = vec![crate::session::File { path: "a.xyz".into(), frame: 1, visible: true, sha256: None }];
             let line = session.command_line([300, 200]);
             let cli = Cli::try_parse_from(line.split(' ')).unwrap();
             let Some(Command::Render(args)) = cli.command else { panic!("{line}") };

@@ -185,7 +185,7 @@ mod tests {
 
     fn document() -> Document {
         let text = "1\n\nC 0 0 0\n1\n\nC 1 0 0\n1\n\nN 0 0 0\n";
-        import::read_bytes(text.as_bytes(), "a.xyz", &ImportOptions::default()).unwrap()
+        crate::import::read_bytes(text.as_bytes(), "a.xyz", &ImportOptions::default()).unwrap()
     }
 
     fn picked(record: Option<&str>, frame: Option<u32>) -> Result<Vec<(String, usize, f64)>> {

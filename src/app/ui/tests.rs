@@ -1,7 +1,7 @@
 use super::Memory;
 use crate::app::action::Action;
-use crate::app::state::{Request, State};
 use crate::app::state::tests::{opened, state};
+use crate::app::state::{Request, State};
 use crate::scene::{Background, ColorBy, Style};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, PointerButton, Pos2, Rect};
