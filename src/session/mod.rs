@@ -12,6 +12,7 @@ pub mod picture;
 pub mod samples;
 pub mod sums;
 
+pub use command::Flag;
 pub use picture::Picture;
 
 use crate::bonds::{BondMode, BondOptions};
