@@ -94,8 +94,10 @@
 //! - A coarse mesh with smooth normals shades itself where the light grazes it: its faces are flat.
 //! - In a window drawn by a GPU there are no labels while something moves. The rings about picked atoms are drawn over the picture, faint
 //!   where something is before the atom, and are not in exports.
-//! - Sessions keep neither meshes laid over the molecule nor samples, and find atoms by their numbers. `--camera` writes one frame and one
-//!   view; files that show different frames are one command line only with the same.
+//! - Sessions find atoms by their numbers. `--camera` writes one frame and one
+//!   view; files that show different frames are one command line only with the same. WebP, PPM, NPY, GIF and MP4 files do not say how they were made.
+//! - A film of frames keeps the camera that fits the first one. In a GIF a pixel is there or not, and has one of 255 colours.
+//! - On Wayland without Xwayland pictures cannot be copied.
 //! - Selections know distances within what is drawn, not across the faces of a cell, and no secondary structure but what the file states.
 //! - A trajectory's bonds are those of its structure file in that file's own coordinates, where a cell counts only if that file states it. Hydrogen bonds across the cell's faces are
 //!   not drawn in its frames, nor are networks without end the same atoms in each. Compressed trajectories are unpacked into memory, and `convert` writes none.
@@ -114,9 +116,6 @@
 //! - Dative bonds do not keep which atom gives the pair.
 //! - Of meshes neither textures nor, in glTF, sparse accessors, compression, skins and morph targets are read; polygons of OBJ files are
 //!   fans, so that concave ones come out wrong. Vectors do not turn with symmetry operations: no format that states them has any.
-
-// `json!` takes two steps for each setting of a picture.
-#![recursion_limit = "256"]
 
 #[cfg(feature = "window")]
 pub mod app;

@@ -106,6 +106,11 @@ pub(super) enum Action {
     /// Save the picture on the screen at once.
     Screenshot,
     PictureDialog(bool),
+    AnimationDialog(bool),
+    /// Give up the films that are being made.
+    StopAnimations,
+    /// Put the picture on the clipboard.
+    CopyPicture,
     SessionDialog(bool),
     SaveSession(PathBuf),
     CopyCommand,
@@ -117,6 +122,8 @@ pub(super) enum Action {
     Panel(bool),
     Theme(super::preferences::Theme),
     Mouse(super::mouse::Preset),
+    /// Whether files that change are read again by themselves.
+    Reloads(bool),
     /// Give up what is being read or made.
     Cancel,
     /// Leave what is going on: a dialog, measuring, loading, the picked atoms.

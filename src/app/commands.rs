@@ -2,7 +2,6 @@
 //! keys are looked up in it.
 
 use super::action::Action;
-use super::loader::SAMPLES;
 use super::mouse::Preset;
 use super::preferences::Theme;
 use super::selecting::{Deed, How};
@@ -12,6 +11,7 @@ use crate::color::Srgb8;
 use crate::crystal::{BondsPerFrame, CellChoice};
 use crate::render::Quality;
 use crate::scene::{Aromatic, Background, ColorBy, LabelContent, Look, Style};
+use crate::session::samples::SAMPLES;
 use egui::{Key, Modifiers};
 
 /// A key with its modifiers.
@@ -135,6 +135,9 @@ fn file(mut table: Table<'_>) {
     table.add("Read files again", &[plain(Key::F5), ctrl(Key::R)], Action::Reload);
     table.add("Save picture at once", &[plain(Key::S)], Action::Screenshot);
     table.add("Save picture…", &[ctrl(Key::P)], Action::PictureDialog(true));
+    let film = Shortcut { key: Key::P, command: true, shift: true };
+    table.add("Save animation…", &[film], Action::AnimationDialog(true));
+    table.add("Copy the picture", &[ctrl(Key::C)], Action::CopyPicture);
     table.add("Save session…", &[ctrl(Key::S)], Action::SessionDialog(true));
     let copy = Shortcut { key: Key::C, command: true, shift: true };
     table.add("Copy the command line of this picture", &[copy], Action::CopyCommand);
@@ -283,6 +286,7 @@ fn window(mut table: Table<'_>, state: &State) {
     table.add("Commands…", &[ctrl(Key::K)], Action::Palette(true));
     table.switch("Keys and mouse", &[plain(Key::Questionmark), plain(Key::F1)], state.shown.keys, Action::Keys);
     table.switch("Panel", &[ctrl(Key::B)], state.preferences.panel, Action::Panel);
+    table.switch("Read files again when they change", &[], state.preferences.reloads, Action::Reloads);
     for theme in Theme::ALL {
         let title = format!("Theme: {}", theme.name());
         table.choice(title, &[], state.preferences.theme == theme, Action::Theme(theme));

@@ -4,36 +4,13 @@ use super::build::{Maker, Waker};
 use super::work::Source;
 use crate::crystal::CrystalOptions;
 use crate::error::{Error, Result};
-use crate::import::{self, Document, ImportOptions};
+use crate::import::{Document, ImportOptions, trajectory};
+use crate::session::samples;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-
-/// What is part of the program: its name, what it shows, its file.
-pub(super) struct Sample {
-    pub(super) name: &'static str,
-    pub(super) says: &'static str,
-    file: &'static str,
-    bytes: &'static [u8],
-}
-
-macro_rules! sample {
-    ($name:literal, $says:literal, $file:literal) => {
-        Sample { name: $name, says: $says, file: $file, bytes: include_bytes!(concat!("../../data/", $file)) }
-    };
-}
-
-/// Molecules to begin with.
-pub(super) const SAMPLES: [Sample; 6] = [
-    sample!("Caffeine", "a small molecule with its bonds", "caffeine.sdf"),
-    sample!("Crambin", "a protein of 46 residues", "1crn.pdb"),
-    sample!("DNA", "with a protein that reads it", "1lcd.pdb.gz"),
-    sample!("Ferrocene", "iron between two rings", "ferrocene.xyz"),
-    sample!("Quartz", "a crystal, its cell drawn", "quartz.cif"),
-    sample!("Ethane", "a methyl group turns, frame by frame", "ethane-rotation.xyz"),
-];
 
 /// How often the bar of frames learns of more of them (chosen).
 const TELL_EVERY: Duration = Duration::from_millis(250);
@@ -90,6 +67,12 @@ impl Loader {
     pub(super) fn new(maker: Arc<Maker>, wake: Waker) -> Loader {
         let (sender, receiver) = channel();
         Loader { maker, wake, sender, receiver, under_way: Vec::new(), next: 1, problems: Arc::default() }
+    }
+
+    /// A number for what comes without being read here.
+    pub(super) fn number(&mut self) -> u32 {
+        self.next += 1;
+        self.next - 1
     }
 
     /// Begins to read.
@@ -187,12 +170,8 @@ fn read(
 ) -> Result<Arc<Document>> {
     let options = ImportOptions::default();
     let document = match source {
-        Source::File(input) => import::trajectory::read_input(input, &options)?,
-        Source::Sample(name) => {
-            let sample = SAMPLES.iter().find(|sample| sample.name == *name);
-            let sample = sample.ok_or_else(|| Error::Unsupported(format!("there is no sample called {name}")))?;
-            import::read_bytes(sample.bytes, sample.file, &options)?
-        }
+        Source::File(input) => trajectory::read_input(input, &options)?,
+        Source::Sample(_) => samples::read(&source.named(), &options)?,
     };
     let document = Arc::new(document);
     if !cancelled.load(Ordering::Relaxed) {

@@ -9,11 +9,13 @@
 //! real GPU the picture is drawn there and the interface over it; otherwise the CPU renderer draws on a thread ([`worker`]) and the interface
 //! is painted by [`paint`], so that the window needs no GPU at all. Nothing is drawn while nothing changes.
 //!
-//! Limits: a reader that is given up finishes the file it is in, unseen. Sessions do not keep meshes laid over the molecule.
+//! Limits: a reader that is given up finishes the file it is in, unseen.
 
 mod action;
 mod ahead;
+mod animations;
 mod build;
+mod clipboard;
 mod commands;
 mod files;
 mod history;
@@ -29,21 +31,26 @@ mod selecting;
 mod sessions;
 mod state;
 mod ui;
+mod watch;
 mod window;
 mod work;
 mod worker;
 
 use crate::crystal::CrystalOptions;
 use crate::error::Result;
+use crate::import::Document;
 use crate::render::{Choice, Quality};
 use crate::scene::{Measurement, SceneOptions, Viewpoint};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// What the window starts with.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
     /// Style, colours, ground, background.
     pub scene: SceneOptions,
+    /// Where its meshes come from.
+    pub overlay: Vec<PathBuf>,
     /// What is measured; items are the files in their order.
     pub measurements: Vec<Measurement>,
     /// What of crystals is drawn, and how bonds are found.
@@ -56,6 +63,8 @@ pub struct Options {
     pub renderer: Choice,
     /// The view to begin with; `None` for the fitted one.
     pub viewpoint: Option<Viewpoint>,
+    /// The first of the files, if it was read already: standard input can be read only once.
+    pub first: Option<Arc<Document>>,
 }
 
 /// Opens a window on files (molecules, or a session), or one that shows how to open some, and returns when it is closed: what could not be

@@ -39,6 +39,8 @@ impl Theme {
 pub(super) struct Preferences {
     pub(super) theme: Theme,
     pub(super) mouse: Preset,
+    /// Whether files that change on the disk are read again.
+    pub(super) reloads: bool,
     /// Whether the panel is open.
     pub(super) panel: bool,
     /// The newest first.
@@ -50,7 +52,7 @@ pub(super) struct Preferences {
 impl Default for Preferences {
     fn default() -> Self {
         let (theme, mouse) = (Theme::default(), Preset::default());
-        Preferences { theme, mouse, panel: true, recent: Vec::new(), file: None }
+        Preferences { theme, mouse, reloads: true, panel: true, recent: Vec::new(), file: None }
     }
 }
 

@@ -3,13 +3,16 @@
 //! The files of a session are read one after the other as they come; the settings, the picked atoms and the measurements are put in
 //! place when the last one is there, as one step that can be undone.
 
+use super::build::Waker;
 use super::picking;
 use super::state::State;
 use super::work::{AtomKey, Layer, Source, Work};
 use crate::scene::Viewpoint;
-use crate::session::{Atom, File, Session, Settings};
+use crate::session::{Atom, File, Overlay, Session, Settings};
+use crate::structure::Mesh;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// A session that is being opened.
 pub(super) struct Opening {
@@ -17,15 +20,42 @@ pub(super) struct Opening {
     settings: Settings,
     /// A place for each file, in their order.
     layers: Vec<Option<Layer>>,
+    meshes: Meshes,
+}
+
+/// The meshes that a session lays over its molecules.
+enum Meshes {
+    /// They are being read.
+    Read(Receiver<Result<Vec<Arc<Mesh>>, String>>),
+    There(Vec<Arc<Mesh>>),
+}
+
+/// Reads meshes on a thread of their own.
+fn read_meshes(overlay: &[Overlay], wake: Waker) -> Meshes {
+    if overlay.is_empty() {
+        return Meshes::There(Vec::new());
+    }
+    let paths: Vec<PathBuf> = overlay.iter().map(|mesh| mesh.path.clone()).collect();
+    let (sender, receiver) = channel();
+    let read = move || {
+        let read = |path: &PathBuf| match crate::import::mesh::read_path(path, &Default::default()) {
+            Ok((mesh, _)) => Ok(Arc::new(mesh)),
+            Err(error @ crate::Error::Io { .. }) => Err(error.to_string()),
+            Err(error) => Err(format!("{}: {error}", path.display())),
+        };
+        // The window may be gone, or the session given up.
+        let _ = sender.send(paths.iter().map(read).collect());
+        wake();
+    };
+    // Without a thread the sender goes, and with it the session.
+    let _ = std::thread::Builder::new().name("meshes".to_owned()).spawn(read);
+    Meshes::Read(receiver)
 }
 
 /// Whether a file is a session.
 pub(super) fn is_session(path: &Path) -> bool {
-    use std::io::Read;
-    let Ok(file) = std::fs::File::open(path) else { return false };
-    let mut start = Vec::new();
     // Where it cannot be read the reader of molecules says so.
-    file.take(4096).read_to_end(&mut start).is_ok() && Session::is_one(&start)
+    Session::is_at(path)
 }
 
 /// The work as a session.
@@ -44,7 +74,7 @@ pub(super) fn of(state: &State) -> Session {
     let file = |layer: &Layer| File {
         path: match &layer.source {
             Source::File(input) => absolute(&input.structure),
-            Source::Sample(name) => PathBuf::from(name),
+            sample => sample.named(),
         },
         trajectories: match &layer.source {
             Source::File(input) => input.trajectories.iter().map(absolute).collect(),
@@ -52,8 +82,10 @@ pub(super) fn of(state: &State) -> Session {
         },
         frame: u32::try_from(layer.frame + 1).unwrap_or(u32::MAX),
         visible: layer.visible,
+        sha256: None,
     };
     session.files = work.layers.iter().map(file).collect();
+    session.overlay = work.overlay.iter().map(|path| Overlay { path: path.clone(), sha256: None }).collect();
     session.fitted = work.fitted;
     session.picked = work.picked.iter().filter_map(|key| place(work, key)).collect();
     session.measurements = places(work, work.measurements.iter());
@@ -74,19 +106,22 @@ fn places<'a>(work: &Work, measurements: impl Iterator<Item = &'a Vec<AtomKey>>)
 /// The command line that makes the picture on the screen; an error says why there is none.
 pub(super) fn command_line(state: &State) -> Result<String, &'static str> {
     let shown: Vec<&Layer> = state.work.shown().collect();
-    if shown.iter().any(|layer| layer.source.path().is_none()) {
-        return Err(
-            "A command line names files, and a sample or standard input has no name: open the molecule from a file.",
-        );
+    if shown.iter().any(|layer| layer.source.is_gone()) {
+        return Err("A command line names files, and standard input has no name: open the molecule from a file.");
     }
     if shown.windows(2).any(|pair| pair[0].frame != pair[1].frame) {
         return Err("The molecules show different frames, and a command line has one --frame for all: save a session.");
     }
+    Ok(of_picture(state).command_line(state.view_px))
+}
+
+/// What the picture on the screen shows of the work.
+pub(super) fn of_picture(state: &State) -> Session {
     let mut session = of(state);
     // What is measured on atoms that are not drawn is not in the picture.
     let is_drawn = |atoms: &&Vec<AtomKey>| atoms.iter().all(|&key| picking::ball(state, key).is_some());
     session.measurements = places(&state.work, state.work.measurements.iter().filter(is_drawn));
-    Ok(session.command_line(state.view_px))
+    session
 }
 
 /// Where a session would be saved: beside no other of its name.
@@ -99,9 +134,9 @@ pub(super) fn proposed(state: &State) -> String {
 
 /// Saves the session.
 pub(super) fn save(state: &mut State, path: &Path) {
-    if state.work.layers.iter().any(|layer| layer.source.path().is_none()) {
+    if state.work.layers.iter().any(|layer| layer.source.is_gone()) {
         return state.complain(
-            "A session keeps the paths of files, and a sample or standard input has none: open the molecule from a file.",
+            "A session keeps the paths of files, and standard input has none: open the molecule from a file.",
         );
     }
     if path.exists() && !is_session(path) {
@@ -127,10 +162,11 @@ pub(super) fn open(state: &mut State, path: &Path) {
     };
     state.preferences.opened(path);
     for file in &session.files {
-        state.loader.start(Source::File(file.input()), settings.crystal, None);
+        state.loader.start(Source::of_input(file.input()), settings.crystal, None);
     }
     let layers = session.files.iter().map(|_| None).collect();
-    state.opening = Some(Opening { session, settings, layers });
+    let meshes = read_meshes(&session.overlay, state.pictures.waker());
+    state.opening = Some(Opening { session, settings, layers, meshes });
     finish(state);
 }
 
@@ -146,18 +182,38 @@ pub(super) fn failed(state: &mut State) {
 pub(super) fn arrived(state: &mut State, layer: &Layer) -> bool {
     let Some(opening) = &mut state.opening else { return false };
     let is_it =
-        |(file, place): &(&File, &mut Option<Layer>)| place.is_none() && layer.source == Source::File(file.input());
+        |(file, place): &(&File, &mut Option<Layer>)| place.is_none() && layer.source == Source::of_input(file.input());
     let Some((file, place)) = opening.session.files.iter().zip(&mut opening.layers).find(is_it) else { return false };
-    let frame = layer.document.nearest_frame((file.frame as usize).saturating_sub(1));
+    // The frames of a record come after those of all before it.
+    let record = opening.session.picture.as_ref().and_then(|picture| picture.record.as_ref()?.parse::<usize>().ok());
+    let before = layer.document.records.iter().take(record.map_or(0, |record| record.saturating_sub(1)));
+    let before: usize = before.map(|record| record.frames().len()).sum();
+    let frame = layer.document.nearest_frame(before + (file.frame as usize).saturating_sub(1));
     *place = Some(Layer { frame, visible: file.visible, ..layer.clone() });
     finish(state);
     true
 }
 
 /// Puts the session in place once all its files are there.
-fn finish(state: &mut State) {
-    let is_whole = state.opening.as_ref().is_some_and(|opening| opening.layers.iter().all(Option::is_some));
-    let Some(Opening { session, settings, layers }) = state.opening.take_if(|_| is_whole) else { return };
+pub(super) fn finish(state: &mut State) {
+    let Some(opening) = &mut state.opening else { return };
+    if let Meshes::Read(receiver) = &opening.meshes {
+        match receiver.try_recv() {
+            Ok(Ok(meshes)) => opening.meshes = Meshes::There(meshes),
+            Err(TryRecvError::Empty) => {}
+            Ok(Err(problem)) => {
+                state.complain(problem);
+                return failed(state);
+            }
+            Err(TryRecvError::Disconnected) => return failed(state),
+        }
+    }
+    let is_whole = opening.layers.iter().all(Option::is_some) && matches!(opening.meshes, Meshes::There(_));
+    let Some(Opening { session, settings, layers, meshes: Meshes::There(meshes) }) =
+        state.opening.take_if(|_| is_whole)
+    else {
+        return;
+    };
     let layers: Vec<Layer> = layers.into_iter().flatten().collect();
     let key = |&[file, atom]: &Atom| -> Option<AtomKey> {
         let layer = layers.get(file.checked_sub(1)? as usize)?;
@@ -169,7 +225,8 @@ fn finish(state: &mut State) {
         picked: Arc::new(session.picked.iter().filter_map(key).collect()),
         picked_by: None,
         measurements: session.measurements.iter().filter_map(measurement).collect(),
-        scene: crate::scene::SceneOptions { overlay: before.scene.overlay.clone(), ..settings.scene },
+        scene: crate::scene::SceneOptions { overlay: meshes, ..settings.scene },
+        overlay: Arc::new(session.overlay.iter().map(|mesh| mesh.path.clone()).collect()),
         crystal: settings.crystal,
         cell_box: settings.cell_box,
         quality: settings.quality,

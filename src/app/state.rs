@@ -9,11 +9,15 @@ use super::build::{Builder, Built, Maker, Spec, Waker};
 use super::history::History;
 use super::loader::{Loaded, Loader};
 use super::preferences::Preferences;
-use super::work::{AtomKey, Layer, Work};
-use super::{Options, picking, pictures, sessions};
+use super::watch::Watch;
+use super::work::{AtomKey, Layer, Source, Work};
+use super::{Options, animations, picking, pictures, sessions};
 use crate::error::Error;
-use crate::render::{Quality, Settings, View};
+use crate::import::Document;
+use crate::import::trajectory::Input;
+use crate::render::{Image, Quality, Settings, View};
 use crate::scene::{AtomPlace, Camera, Measurement};
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -33,6 +37,8 @@ pub(super) enum Request {
     Open,
     /// Put a text on the clipboard.
     Copy(String),
+    /// Put a picture on the clipboard.
+    CopyImage(Image),
     Quit,
 }
 
@@ -42,6 +48,7 @@ pub(super) struct Shown {
     pub(super) palette: bool,
     pub(super) keys: bool,
     pub(super) picture: Option<pictures::Dialog>,
+    pub(super) animation: Option<animations::Dialog>,
     /// The path to save a session to, as it is being typed.
     pub(super) session: Option<String>,
     /// Whether a selection is about to be written.
@@ -98,10 +105,14 @@ pub(super) struct State {
     pub(super) requests: Vec<Request>,
     pub(super) options: Options,
     pub(super) pictures: pictures::Pictures,
+    pub(super) films: animations::Films,
+    pub(super) watch: Watch,
     pub(super) loader: Loader,
     /// What a session that is being opened still has to put in place when its files are read.
     pub(super) opening: Option<sessions::Opening>,
     maker: Arc<Maker>,
+    /// Layers whose files are being read again without having been asked for.
+    by_itself: HashSet<u32>,
     builder: Builder,
     /// The specification that the builder works on.
     asked: Option<Spec>,
@@ -124,6 +135,7 @@ impl State {
         let work = Work {
             layers: Vec::new(),
             scene: options.scene.clone(),
+            overlay: Arc::new(options.overlay.clone()),
             crystal: options.crystal,
             cell_box: options.cell_box,
             quality: options.quality,
@@ -144,10 +156,13 @@ impl State {
             notices: Vec::new(),
             requests: Vec::new(),
             pictures: pictures::Pictures::new(Arc::clone(&wake)),
+            films: animations::Films::new(Arc::clone(&wake)),
+            watch: Watch::default(),
             loader: Loader::new(Arc::clone(&maker), Arc::clone(&wake)),
             opening: None,
             builder: Builder::start(Arc::clone(&maker), wake),
             maker,
+            by_itself: HashSet::new(),
             asked: None,
             view_px: [960, 640],
             version: 1,
@@ -161,6 +176,11 @@ impl State {
     /// The view on the screen.
     pub(super) fn view(&self) -> View {
         View::new(self.work.camera, self.view_px[0], self.view_px[1])
+    }
+
+    /// What makes scenes.
+    pub(super) fn maker(&self) -> Arc<Maker> {
+        Arc::clone(&self.maker)
     }
 
     /// Notes that the picture is another one.
@@ -228,6 +248,16 @@ impl State {
             self.say(problem);
         }
         pictures::poll(self);
+        animations::poll(self);
+        if self.opening.is_some() {
+            sessions::finish(self);
+        }
+    }
+
+    /// Takes in a file that was read before there was a window.
+    pub(super) fn take_first(&mut self, file: Input, document: Arc<Document>) {
+        let load = self.loader.number();
+        self.take_in(Loaded { load, source: Source::of_input(file), result: Ok(document) }, None);
     }
 
     /// Takes in all that is being read, waiting for it: for what comes before the first picture.
@@ -242,6 +272,7 @@ impl State {
         let Loaded { load, source, result } = loaded;
         let document = match result {
             Ok(document) => document,
+            Err(_) if replaces.is_some_and(|id| self.by_itself.remove(&id) && self.watch.is_tried_again(id)) => return,
             Err(error) => {
                 let named = match (&error, &source) {
                     // Its message names the file.
@@ -260,10 +291,19 @@ impl State {
         }
         match replaces.and_then(|id| self.work.layer(id).cloned()) {
             Some(old) => {
+                if let Some(path) = source.path() {
+                    self.watch.was_read(old.id, path);
+                }
+                if self.by_itself.remove(&old.id) {
+                    self.say(format!("{} has changed and was read again.", source.name()));
+                }
                 let frame = document.nearest_frame(old.frame);
                 self.apply(Action::Replace(Box::new(Layer { source, document, frame, ..old })));
             }
             None => {
+                if let Some(path) = source.path() {
+                    self.watch.was_read(load, path);
+                }
                 let layer = Layer { id: load, source, document, frame: 0, visible: true };
                 if sessions::arrived(self, &layer) {
                     return;

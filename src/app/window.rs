@@ -2,13 +2,15 @@
 
 use super::action::Action;
 use super::build::Waker;
+use super::clipboard::Clipboard;
 use super::files::Dialogs;
 use super::preferences::Preferences;
 use super::screen::{Interface, Screen};
 use super::state::{Request, State};
-use super::{Options, ui};
+use super::{Options, ui, watch};
 use crate::error::{Error, Result};
 use crate::import::trajectory::{inputs, is_trajectory};
+use crate::session::Session;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -33,6 +35,17 @@ impl From<egui_winit::accesskit_winit::Event> for Wake {
     }
 }
 
+/// The bytes of a file; of a session those of the molecules it names.
+fn bytes_of(file: &Path) -> u64 {
+    let bytes = |path: &Path| std::fs::metadata(path).map_or(0, |metadata| metadata.len());
+    if !Session::is_at(file) {
+        return bytes(file);
+    }
+    // One that cannot be read is said at once.
+    let session = Session::read(file);
+    session.map_or(0, |session| session.files.iter().map(|file| bytes(&file.path)).fold(0, u64::saturating_add))
+}
+
 /// Files of up to so many bytes in all are read before the window opens: they take less time than opening it (2 MB of PDB are 10 ms of
 /// reading and 20 of bonds), and one that cannot be read is said on the terminal.
 const BEFORE_OPENING: u64 = 2 << 20;
@@ -55,12 +68,18 @@ pub(super) fn run(files: Vec<PathBuf>, options: Options) -> Result<Vec<String>> 
         let _ = waker.send_event(Wake::Work);
     });
     let mut state = State::new(options, Preferences::of_user(), Arc::clone(&wake));
-    let bytes = |file: &PathBuf| std::fs::metadata(file).map_or(0, |metadata| metadata.len());
     // Of trajectories one frame is read at first.
-    let is_small = files.iter().filter(|file| !is_trajectory(file)).map(bytes).sum::<u64>() <= BEFORE_OPENING
-        && !files.iter().any(|f| f == Path::new("-"));
+    let molecules = files.iter().filter(|file| !is_trajectory(file));
+    let all_bytes = molecules.map(|file| bytes_of(file)).fold(0, u64::saturating_add);
+    let is_small = all_bytes <= BEFORE_OPENING && !files.iter().any(|f| f == Path::new("-"));
     let is_some = !files.is_empty();
-    for input in inputs(&files) {
+    let mut inputs = inputs(&files).into_iter();
+    if let Some(document) = state.options.first.take()
+        && let Some(input) = inputs.next()
+    {
+        state.take_first(input, document);
+    }
+    for input in inputs {
         state.apply(match input.trajectories.is_empty() {
             true => Action::Open(input.structure),
             false => Action::OpenInput(input),
@@ -73,7 +92,8 @@ pub(super) fn run(files: Vec<PathBuf>, options: Options) -> Result<Vec<String>> 
         state.notices.iter().filter(|notice| notice.is_error).map(|notice| notice.text.clone()).collect()
     };
     let failures = errors(&state);
-    if is_small && is_some && state.work.layers.is_empty() {
+    // A session may still wait for its meshes.
+    if is_small && is_some && state.work.layers.is_empty() && state.opening.is_none() {
         return Ok(failures);
     }
     let egui_ctx = egui::Context::default();
@@ -84,6 +104,7 @@ pub(super) fn run(files: Vec<PathBuf>, options: Options) -> Result<Vec<String>> 
         state,
         memory: ui::Memory::default(),
         egui_ctx,
+        clipboard: Clipboard::default(),
         open: None,
         wake,
         next_frame: None,
@@ -111,6 +132,7 @@ struct App {
     memory: ui::Memory,
     egui_ctx: egui::Context,
     dialogs: Dialogs,
+    clipboard: Clipboard,
     open: Option<Open>,
     /// When the interface wants to be shown anew by itself.
     next_frame: Option<Instant>,
@@ -187,6 +209,12 @@ impl App {
             match request {
                 Request::Open => self.dialogs.open(),
                 Request::Copy(text) => open.egui.set_clipboard_text(text),
+                Request::CopyImage(image) => match self.clipboard.picture(&image) {
+                    Ok(()) => self
+                        .state
+                        .say(format!("The picture is on the clipboard: {} × {} pixels.", image.width, image.height)),
+                    Err(why) => self.state.complain(why),
+                },
                 Request::Quit => event_loop.exit(),
             }
         }
@@ -244,11 +272,15 @@ impl ApplicationHandler<Wake> for App {
                 }
                 let version = self.state.version;
                 let notices = self.state.notices.len();
-                let under_way = self.state.loader.under_way().len() + self.state.pictures.under_way.len();
+                let under_way = |state: &State| {
+                    state.loader.under_way().len() + state.pictures.under_way.len() + state.films.under_way.len()
+                };
+                let before = under_way(&self.state);
                 self.state.poll();
                 let changed = self.state.version != version
                     || self.state.notices.len() != notices
-                    || self.state.loader.under_way().len() + self.state.pictures.under_way.len() != under_way
+                    || under_way(&self.state) != before
+                    || !self.state.requests.is_empty()
                     || self.state.shown.open.is_some();
                 // A finished picture alone needs no new interface.
                 self.stale |= changed;
@@ -289,15 +321,22 @@ impl ApplicationHandler<Wake> for App {
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        let now = Instant::now();
+        if watch::look(&mut self.state, now) {
+            self.refresh();
+        }
+        // To look at files draws nothing.
+        let looks = self.state.watch.next();
+        let wait = |until: Option<Instant>| until.map_or(ControlFlow::Wait, ControlFlow::WaitUntil);
         match self.next_frame {
-            Some(at) if at <= Instant::now() => {
+            Some(at) if at <= now => {
                 if let Some(open) = &self.open {
                     open.window.request_redraw();
                 }
-                event_loop.set_control_flow(ControlFlow::Wait);
+                event_loop.set_control_flow(wait(looks));
             }
-            Some(at) => event_loop.set_control_flow(ControlFlow::WaitUntil(at)),
-            None => event_loop.set_control_flow(ControlFlow::Wait),
+            Some(at) => event_loop.set_control_flow(wait(Some(looks.map_or(at, |looks| looks.min(at))))),
+            None => event_loop.set_control_flow(wait(looks)),
         }
     }
 

@@ -6,6 +6,7 @@ use crate::import::trajectory::Input;
 use crate::render::Quality;
 use crate::scene::{AtomPlace, Camera, Measurement, SceneOptions};
 use crate::select::Selection;
+use crate::session::samples::{self, Sample};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -14,17 +15,41 @@ use std::sync::Arc;
 pub(super) enum Source {
     /// A structure, and trajectories of its atoms.
     File(Input),
-    /// The name of a molecule that is part of the program.
-    Sample(&'static str),
+    /// A molecule that is part of the program.
+    Sample(&'static Sample),
 }
 
 impl Source {
-    /// Where it can be read again; standard input and what is part of the program cannot.
+    /// What a path stands for.
+    pub(super) fn of(path: PathBuf) -> Source {
+        Source::of_input(Input::of(path))
+    }
+
+    /// What a structure with its trajectories stands for.
+    pub(super) fn of_input(input: Input) -> Source {
+        let sample = samples::of_path(&input.structure).filter(|_| input.trajectories.is_empty());
+        sample.map_or(Source::File(input), Source::Sample)
+    }
+
+    /// Where it lies; standard input and what is part of the program lie nowhere.
     pub(super) fn path(&self) -> Option<&Path> {
         match self {
             Source::File(input) if input.structure.as_os_str() != "-" => Some(&input.structure),
             _ => None,
         }
+    }
+
+    /// What a command line or a session calls it.
+    pub(super) fn named(&self) -> PathBuf {
+        match self {
+            Source::File(input) => input.structure.clone(),
+            Source::Sample(sample) => sample.path(),
+        }
+    }
+
+    /// Whether it cannot be read again.
+    pub(super) fn is_gone(&self) -> bool {
+        matches!(self, Source::File(input) if input.structure.as_os_str() == "-")
     }
 
     /// A short name for people.
@@ -34,7 +59,7 @@ impl Source {
                 let name = |path: &PathBuf| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
                 input.files().map(name).collect::<Vec<_>>().join(" + ")
             }
-            Source::Sample(name) => (*name).to_owned(),
+            Source::Sample(sample) => sample.name.to_owned(),
         }
     }
 }
@@ -71,6 +96,8 @@ pub(super) struct Work {
     pub(super) layers: Vec<Layer>,
     /// Without measurements, which have their atoms by layer here.
     pub(super) scene: SceneOptions,
+    /// Where the meshes come from that are laid over the molecule.
+    pub(super) overlay: Arc<Vec<PathBuf>>,
     pub(super) crystal: CrystalOptions,
     pub(super) cell_box: Option<bool>,
     pub(super) quality: Quality,

@@ -83,6 +83,9 @@ Examples:
   ballstick render 1crn.pdb -o fig.png --hide water --style 'residue 10-20=space-filling'
   ballstick render top.pdb run.xtc -o last.png --frame 500
   curl … | ballstick render - -o - > fig.png
+  ballstick render 1crn.pdb -o turn.gif --turntable=72 --size 640x480
+  ballstick render relax.xyz -o relax.mp4 --frames 1-500:5 --fps 30
+  ballstick render --from fig.png -o again.png --size 6000x4000
 
 Channels (--channel) as 16-bit PNG, or as plain numbers in NPY (-o depth.npy):
   depth   PNG: grey, linear from 65535 at the text chunk near_angstrom to 1 at far_angstrom;
@@ -103,14 +106,22 @@ renderer and output.";
 #[derive(Debug, Clone, Args)]
 #[command(after_help = AFTER_RENDER, after_long_help = format!("{AFTER_RENDER}\n\n{}", crate::select::help()))]
 pub struct RenderArgs {
-    /// Molecule files; - is standard input; a trajectory (XTC, TRR, DCD) stands behind the structure whose atoms it moves
-    #[arg(value_name = "FILE", required = true)]
+    /// Molecule files, or a session; - is standard input, sample:caffeine a molecule of the program's own; a trajectory (XTC, TRR,
+    /// DCD) stands behind the structure whose atoms it moves
+    #[arg(value_name = "FILE", required_unless_present = "from")]
     pub files: Vec<PathBuf>,
+    /// Make a picture again, or that of a session: a PNG or JPEG file that ballstick wrote, or the JSON file of a session. Other flags change
+    /// what they say; FILEs take the place of its files, in their order
+    #[arg(long, value_name = "PICTURE")]
+    pub from: Option<PathBuf>,
+    /// What `--from` says and no flag does.
+    #[arg(skip)]
+    pub origin: super::from::Origin,
     /// Picture: a file takes all FILEs into one scene; a folder (there, or ending in /) or a name with {stem} makes
     /// one picture of each; - is standard output
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// Picture format where OUT does not say: png, jpg, webp, ppm or npy [default: png]
+    /// Format where OUT does not say: png, jpg, webp, ppm or npy; gif, apng or mp4 (by ffmpeg) for films [default: png]
     #[arg(long, value_name = "FORMAT")]
     pub to: Option<String>,
     /// Width and height of the picture in pixels, up to 32768 each, or in print (see --dpi): 85mmx60mm, 8cmx6cm,
@@ -136,6 +147,16 @@ pub struct RenderArgs {
     /// Directions of the sky that ambient occlusion is found from, 0 (none) to 256, in place of what the quality says
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=256), help_heading = "Picture")]
     pub ao: Option<u32>,
+    /// Turn once about the upright axis in a film of N frames (gif, apng, mp4; what has one frame does so by itself) [default: 100]
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "100",
+        value_parser = clap::value_parser!(u32).range(1..=100_000), conflicts_with = "frames", help_heading = "Film")]
+    pub turntable: Option<u32>,
+    /// Play these frames of a trajectory in a film: FIRST-LAST or FIRST-LAST:STEP, such as 1-100:2, 50-, :10 [default: all]
+    #[arg(long, value_name = "RANGE", conflicts_with = "frame", help_heading = "Film")]
+    pub frames: Option<super::frames::FrameRange>,
+    /// Frames a second, up to 50 [default: 25]
+    #[arg(long, value_name = "N", value_parser = super::values::frame_rate, help_heading = "Film")]
+    pub fps: Option<f64>,
     /// What the picture shows; all but color are numbers, see below
     #[arg(long, value_name = "WHAT", default_value = "color", help_heading = "Picture")]
     pub channel: Channel,
@@ -615,6 +636,8 @@ mod tests {
             "--renderer=cpu",
             "--size=640x480",
             "--samples=4",
+            "--turntable=72",
+            "--fps=30",
             "--style=space-filling",
             "--color-by=chain",
             "--background=transparent",
@@ -708,6 +731,11 @@ mod tests {
         for flags in [
             &["--ao=257"][..],
             &["--samples=0"],
+            &["--turntable=0"],
+            &["--turntable", "--frames=1-5"],
+            &["--frame=2", "--frames=1-5"],
+            &["--fps=0"],
+            &["--fps=51"],
             &["--samples=5000"],
             &["--frame=0"],
             &["--style=cartoon"],

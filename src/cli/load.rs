@@ -7,7 +7,8 @@ use crate::bonds::{self, BondMode, BondOptions};
 use crate::crystal::{self, BondsPerFrame, CellChoice, CrystalOptions, Drawn, Fixed};
 use crate::error::{Error, Result};
 use crate::import::trajectory::{self, Input};
-use crate::import::{self, Document, Format, ImportOptions};
+use crate::import::{Document, Format, ImportOptions};
+use crate::session::{Session, samples};
 use crate::structure::{Bond, BondKind, Frame, Structure};
 use std::path::Path;
 use std::time::Instant;
@@ -21,7 +22,13 @@ pub(super) struct LoadSeconds {
 
 /// Reads a file, of which the format may be said, and says what its reader noticed.
 pub(super) fn read_as(path: &Path, format: Option<Format>, report: &Report) -> Result<Document> {
-    let document = import::read_path(path, &ImportOptions { format, ..ImportOptions::default() })?;
+    let document = match samples::read(path, &ImportOptions { format, ..ImportOptions::default() }) {
+        Err(Error::Input { .. } | Error::Unsupported(_)) if Session::is_at(path) => {
+            let message = "this is a session, or a picture with one: it is drawn alone, ballstick render FILE -o OUT, or opened in the window";
+            return Err(Error::Unsupported(message.to_owned()));
+        }
+        read => read?,
+    };
     for diagnostic in &document.diagnostics {
         report.diagnostic(path, diagnostic);
     }
@@ -30,6 +37,9 @@ pub(super) fn read_as(path: &Path, format: Option<Format>, report: &Report) -> R
 
 /// Reads a structure and opens its trajectories, and says what their readers noticed.
 pub(super) fn read_input(input: &Input, report: &Report) -> Result<Document> {
+    if input.trajectories.is_empty() {
+        return read_as(&input.structure, None, report);
+    }
     let document = trajectory::read_input(input, &ImportOptions::default())?;
     for diagnostic in &document.diagnostics {
         report.diagnostic(&input.structure, diagnostic);
@@ -48,6 +58,20 @@ pub(super) fn load_for_picture(
     let path = &input.structure;
     let started = Instant::now();
     let document = read_input(input, report)?;
+    seconds.read += started.elapsed().as_secs_f64();
+    drawn_of(document, path, select, (bond_args, crystal_args), report, seconds)
+}
+
+/// What is drawn of a document.
+pub(super) fn drawn_of(
+    document: Document,
+    path: &Path,
+    select: &SelectArgs,
+    (bond_args, crystal_args): (BondArgs, CrystalArgs),
+    report: &Report,
+    seconds: &mut LoadSeconds,
+) -> Result<Vec<Drawn>> {
+    let started = Instant::now();
     let select = match select {
         // One thing is drawn unless something is said.
         SelectArgs { frame: None, record: None } => {
@@ -200,7 +224,7 @@ mod tests {
 
     fn document() -> Document {
         let text = "1\n\nC 0 0 0\n1\n\nC 1 0 0\n1\n\nN 0 0 0\n";
-        import::read_bytes(text.as_bytes(), "a.xyz", &ImportOptions::default()).unwrap()
+        crate::import::read_bytes(text.as_bytes(), "a.xyz", &ImportOptions::default()).unwrap()
     }
 
     fn picked(record: Option<&str>, frame: Option<u32>) -> Result<Vec<(String, usize, f64)>> {

@@ -3,9 +3,11 @@
 //! The renderer uses all cores for each picture, strip by strip where it is large ([`super::strips`]). One bad file never stops the others; even a panic costs only its
 //! own picture. Drawing itself is behind [`Draw`], so that this module knows neither scene nor renderer.
 
-use super::args::{Channel, Named, ProjectionArg, RenderArgs};
+use super::animate;
+use super::args::{Channel, Named, RenderArgs, SelectArgs};
 use super::load::{LoadSeconds, load_for_picture};
 use super::plan::{Picture, Plan, plan};
+use super::record::{Sums, metadata};
 use super::report::Report;
 use super::size::{Size, check_region};
 use super::strips::{self, Target};
@@ -16,6 +18,7 @@ use crate::export::atomic;
 use crate::export::picture::{PictureFormat, PictureOptions};
 use crate::import::trajectory::Input;
 use crate::render::image::{GBuffer, Image, SkyVisibility};
+use crate::scene::Viewpoint;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -40,6 +43,17 @@ pub(super) trait Draw {
 
     /// Who draws, once something is drawn.
     fn renderer(&self) -> String;
+
+    /// The view of what is loaded.
+    fn viewpoint(&self) -> Option<Viewpoint> {
+        None
+    }
+
+    /// Takes what is loaded for a film of its turn; `fitted` finds the camera anew that has all of it in the picture.
+    fn turntable(&mut self, _fitted: bool, _size: Size) {}
+
+    /// Turns what is loaded by so much from where it was.
+    fn turn(&mut self, _angle_rad: f32) {}
 
     /// What the user should know since the last call.
     fn notices(&mut self) -> Vec<String>;
@@ -71,6 +85,9 @@ struct Timings<'a> {
 
 /// An error is one of usage.
 pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -> Result<(), String> {
+    if let Some(format) = animate::wanted(args)? {
+        return animate::run(args, format, report, draw);
+    }
     let Plan { pictures, clashes, new_folder, format } = plan(&args.files, &args.output, args.to.as_deref())?;
     let size = args.size.pixels(args.dpi)?;
     if let Some(region) = args.region {
@@ -106,12 +123,7 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
         return Ok(());
     }
     for clash in clashes {
-        report.fail_with(&format!(
-            "{}: not drawn, as {} is the picture of {} already; choose another folder or pattern for one of them",
-            clash.input.display(),
-            clash.output.display(),
-            clash.earlier.display()
-        ));
+        report.fail_with(&clash.to_string());
     }
     report.start(pictures.len());
     for (index, picture) in pictures.iter().enumerate() {
@@ -144,13 +156,16 @@ fn one_picture(
     let started = Instant::now();
     let mut seconds = LoadSeconds::default();
     let mut drawn = Vec::new();
-    let mut drawn_inputs: Vec<&Input> = Vec::new();
-    for input in &picture.inputs {
-        match super::guarded(|| load_for_picture(input, &args.select, (args.bonds, args.crystal), report, &mut seconds))
-        {
+    let mut drawn_inputs: Vec<(&Input, SelectArgs)> = Vec::new();
+    let sums = Sums::begin(picture.inputs.iter().map(|input| &input.structure).chain(&args.look.overlay));
+    for (index, input) in picture.inputs.iter().enumerate() {
+        // Each file of a session has a frame of its own.
+        let frame = args.select.frame.or(args.origin.frames.get(index).copied());
+        let select = SelectArgs { frame, ..args.select };
+        match super::guarded(|| load_for_picture(input, &select, (args.bonds, args.crystal), report, &mut seconds)) {
             Ok(loaded) => {
                 drawn.extend(loaded);
-                drawn_inputs.push(input);
+                drawn_inputs.push((input, select));
             }
             Err(error) => report.fail(&input.structure, &error),
         }
@@ -177,11 +192,12 @@ fn one_picture(
     let Size { width, height } = size;
     let region = region.unwrap_or(Region { x: 0, y: 0, width, height });
     let target = Target { region, channel: args.channel, format, path: &picture.output };
+    let sums = sums.finish();
     let options = |draw: &dyn Draw| PictureOptions {
         alpha: args.look.backdrop().0.is_none() && args.channel == Channel::Color,
         background: args.look.solid_background(),
         dpi: args.size.dpi(args.dpi),
-        texts: metadata(args, size, &drawn_inputs, &drawn, &draw.renderer()),
+        texts: metadata(args, &picture.output, &drawn_inputs, &drawn, draw, &sums),
     };
     let name = picture.output.to_string_lossy();
     let progress = |done: f64| report.within_step(&format!("{name} {:.0} %", done * 100.0));
@@ -210,93 +226,6 @@ fn one_picture(
         report.line(&serde_json::to_string(&timings).unwrap_or_default());
     }
     Ok(())
-}
-
-/// What is needed to make the picture again. No dates: the same command gives the same bytes.
-fn metadata(
-    args: &RenderArgs,
-    size: Size,
-    inputs: &[&Input],
-    drawn: &[Drawn],
-    renderer: &str,
-) -> Vec<(String, String)> {
-    let mut texts = vec![("Software".to_owned(), concat!("ballstick ", env!("CARGO_PKG_VERSION")).to_owned())];
-    let title = drawn.first().map_or("", |drawn| drawn.structure.title());
-    if !title.is_empty() {
-        texts.push(("Title".to_owned(), super::report::printable(title)));
-    }
-    texts.push(("ballstick-renderer".to_owned(), renderer.to_owned()));
-    texts.push(("ballstick-settings".to_owned(), settings(args, size, inputs).to_string()));
-    texts
-}
-
-/// The settings by the names of their flags.
-fn settings(args: &RenderArgs, size: Size, inputs: &[&Input]) -> serde_json::Value {
-    let RenderArgs { look, select, .. } = args;
-    let text = |value: Option<&dyn std::fmt::Display>| value.map(ToString::to_string);
-    fn texts<T: std::fmt::Display>(all: &[T]) -> Vec<String> {
-        all.iter().map(T::to_string).collect()
-    }
-    let inputs: Vec<_> = inputs.iter().flat_map(|input| input.files()).map(|file| file.to_string_lossy()).collect();
-    let labels: Vec<_> = look.text.label.iter().map(Named::name).collect();
-    serde_json::json!({
-        "files": inputs,
-        "size": size.to_string(),
-        "dpi": args.size.dpi(args.dpi),
-        "region": text(args.region.as_ref().map(|r| r as _)),
-        "crop": text(args.crop.as_ref().map(|c| c as _)),
-        "quality": args.quality.name(),
-        "samples": args.samples,
-        "channel": args.channel.name(),
-        "style": look.atoms.style().name(),
-        "styles": look.atoms.styles().map(|(atoms, style)| format!("{atoms}={}", style.name())).collect::<Vec<_>>(),
-        "color": texts(&look.atoms.color),
-        "show": texts(&look.atoms.shown.show),
-        "hide": texts(&look.atoms.shown.hide),
-        "ball-scale": look.atoms.ball_scale,
-        "stick-scale": look.atoms.stick_scale,
-        "color-by": look.color_by.name(),
-        "background": look.backdrop().to_string(),
-        "look": look.look.name(),
-        "outline": look.outline,
-        "outline-color": text(look.outline_color.as_ref().map(|c| c as _)),
-        "fog": look.fog,
-        "light": look.light.name(),
-        "depth-of-field": look.depth_of_field,
-        "focus": look.depth_of_field.map(|_| look.focus),
-        "ground": look.has_ground(),
-        "projection": if look.is_perspective() { ProjectionArg::Perspective } else { ProjectionArg::Orthographic }.name(),
-        "camera": text(look.camera.as_ref().map(|c| c as _)),
-        "measure": texts(&look.measure),
-        "no-hydrogens": look.no_hydrogens,
-        "no-water": look.no_water,
-        "no-ions": look.no_ions,
-        "haptic": look.haptic,
-        "cell": args.crystal.cell.name(),
-        "supercell": args.crystal.supercell.to_string(),
-        "cell-box": args.crystal.has_box(),
-        "view": text(look.view.as_ref().map(|v| v as _)),
-        "axis": text(look.axis.as_ref().map(|a| a as _)),
-        "aromatic": look.aromatic.name(),
-        "vectors": look.vectors,
-        "vector-scale": look.vector_scale,
-        "axes": look.axes,
-        "overlay": look.overlay.iter().map(|path| path.to_string_lossy()).collect::<Vec<_>>(),
-        "overlay-opacity": look.overlay_opacity,
-        "overlay-wireframe": look.overlay_wireframe,
-        "overlay-color": text(look.overlay_color.as_ref().map(|c| c as _)),
-        "altloc": look.altloc.to_string(),
-        "label": labels.join(","),
-        "label-only": texts(&look.atoms.label_only),
-        "label-size": look.text.label_size,
-        "legend": look.text.legend,
-        "scale-bar": look.text.scale_bar,
-        "bonds": args.bonds.bonds.name(),
-        "hbonds": args.bonds.hbonds,
-        "bonds-per-frame": args.crystal.bonds_per_frame.name(),
-        "frame": select.frame,
-        "record": text(select.record.as_ref().map(|r| r as _)),
-    })
 }
 
 /// The most memory the process has had so far, in bytes; `None` where the system does not tell.
@@ -500,17 +429,19 @@ mod tests {
 
     #[test]
     fn pictures_say_how_they_were_made_and_are_the_same_every_time() {
-        let png = || run_in_folder(&["one.xyz"], "out/a.png", &["--style=licorice", "--axis=111"]).read("a.png");
+        let png = || run_in_folder(&["one.xyz"], "out/a.png", &["--style=licorice", "--view=1,1,1"]).read("a.png");
         let file = png();
         let reader = ::png::Decoder::new(std::io::Cursor::new(&file)).read_info().unwrap();
         let texts = reader.info().uncompressed_latin1_text.clone();
         let text = |key: &str| texts.iter().find(|text| text.keyword == key).map(|text| text.text.clone()).unwrap();
         assert!(text("Software").starts_with("ballstick "));
         assert_eq!(text("ballstick-renderer"), "fake");
-        let settings: serde_json::Value = serde_json::from_str(&text("ballstick-settings")).unwrap();
-        assert_eq!((&settings["style"], &settings["axis"]), (&"licorice".into(), &"1,1,1".into()));
-        assert!(settings["files"][0].as_str().unwrap().ends_with("one.xyz"));
-        assert_eq!(settings["view"], serde_json::Value::Null);
+        let session: serde_json::Value = serde_json::from_str(&text("ballstick-session")).unwrap();
+        assert_eq!((&session["style"], &session["picture"]["view"]), (&"licorice".into(), &"1,1,1".into()));
+        let file = &session["files"][0];
+        assert!(file["path"].as_str().unwrap().ends_with("one.xyz"));
+        assert_eq!(file["sha256"], crate::session::sums::of_bytes(b"1\none\nC 0 0 0\n"));
+        assert_eq!(session["picture"]["axis"], serde_json::Value::Null);
     }
 
     #[test]

@@ -32,13 +32,43 @@ pub(super) struct Clash {
     pub(super) earlier: PathBuf,
 }
 
+impl std::fmt::Display for Clash {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [input, output, earlier] = [&self.input, &self.output, &self.earlier].map(|path| path.display());
+        write!(
+            f,
+            "{input}: not drawn, as {output} is the picture of {earlier} already; choose another folder or pattern for one of them"
+        )
+    }
+}
+
+/// The plan for films with this extension; its format says nothing.
+pub(super) fn films(files: &[PathBuf], output: &Path, extension: &str) -> Result<Plan, String> {
+    if files.iter().filter(|file| file.as_os_str() == "-").count() > 1 {
+        return Err("- is given twice, but standard input can be read only once".to_owned());
+    }
+    let text = output.to_string_lossy();
+    let is_folder = output.is_dir();
+    if text.contains(STEM) {
+        return Ok(each(files, &text, PictureFormat::Png, None));
+    }
+    if is_folder || text.ends_with(std::path::is_separator) {
+        let pattern = output.join(format!("{STEM}.{extension}"));
+        let new_folder = (!is_folder).then(|| output.to_owned());
+        return Ok(each(files, &pattern.to_string_lossy(), PictureFormat::Png, new_folder));
+    }
+    let pictures = vec![Picture { inputs: inputs(files), output: output.to_owned() }];
+    Ok(Plan { pictures, clashes: Vec::new(), new_folder: None, format: PictureFormat::Png })
+}
+
 /// The plan for `render FILE… -o OUT`; an error is one of usage.
 pub(super) fn plan(files: &[PathBuf], output: &Path, to: Option<&str>) -> Result<Plan, String> {
     if files.iter().filter(|file| file.as_os_str() == "-").count() > 1 {
         return Err("- is given twice, but standard input can be read only once".to_owned());
     }
     let to = to.map(|name| {
-        PictureFormat::from_name(name).ok_or_else(|| format!("--to {name}: use png, jpg, webp, ppm or npy"))
+        PictureFormat::from_name(name)
+            .ok_or_else(|| format!("--to {name}: use png, jpg, webp, ppm or npy, or gif, apng or mp4 for films"))
     });
     let to = to.transpose()?;
     let by_name = || PictureFormat::from_path(output).map_err(|error| error.to_string());

@@ -12,9 +12,11 @@ use crate::error::{Error, Result};
 use crate::import;
 use crate::render::{Choice, Quality, Renderer, Selection, Settings, View, crop, select};
 use crate::scene::{
-    AltlocChoice, Aromatic, AtomPlace, Background, ColorBy, DepthOfField, Item, LabelContent, LightFrame, Look,
-    Measurement, Orientation, OverlayOptions, Scene, SceneOptions, VectorChoice, vector_scales,
+    AltlocChoice, Aromatic, AtomPlace, Background, Camera, ColorBy, DepthOfField, Item, LabelContent, LightFrame, Look,
+    Measurement, Orientation, OverlayOptions, Scene, SceneOptions, VectorChoice, Viewpoint, vector_scales,
 };
+#[cfg(feature = "window")]
+use crate::session::Session;
 use crate::structure::Mesh;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -41,7 +43,10 @@ pub(super) struct Drawer {
 struct Loaded {
     scene: Arc<Scene>,
     view: View,
+    viewpoint: Viewpoint,
     settings: Settings,
+    /// Where a turn begins.
+    start: Camera,
 }
 
 impl Drawer {
@@ -78,6 +83,7 @@ impl Draw for Drawer {
             let message = "--overlay stands in the coordinates of the file, and --record all moves the records: give one --record";
             return Err(Error::input(None, message));
         }
+        options.pose = options.pose.or(args.origin.pose);
         options.overlay = match self.meshes.take() {
             Some(read) => read,
             None => overlay(&args.look, &mut self.notices)?,
@@ -97,12 +103,17 @@ impl Draw for Drawer {
             Some(viewpoint) => viewpoint.camera(&scene),
             None => scene.fitted_camera(size.width as f32 / size.height as f32),
         };
+        let viewpoint = match args.look.camera {
+            // With the digits that were asked for, so that a picture made again says the same of itself.
+            Some(asked) => Viewpoint { exact: Viewpoint::of(&scene, &camera).exact, ..asked },
+            None => Viewpoint::of(&scene, &camera),
+        };
         check_measurements(&args.look, &scene)?;
         self.notices.extend(scene.unmatched.iter().map(|flag| format!("{flag}: there is no such atom")));
         let view = View::new(camera, size.width, size.height);
         self.notes = vector_notes(&items, &options);
         self.missing = missing_labels(&args.look.text, drawn);
-        self.loaded = Some(Loaded { scene, view, settings: settings(args) });
+        self.loaded = Some(Loaded { scene, view, viewpoint, settings: settings(args), start: camera });
         Ok(())
     }
 
@@ -122,6 +133,25 @@ impl Draw for Drawer {
     fn seen(&mut self) -> Result<Option<Region>> {
         let (renderer, loaded) = self.ready()?;
         crop::seen_region(renderer, &loaded.scene, &loaded.view, &loaded.settings)
+    }
+
+    fn turntable(&mut self, fitted: bool, size: Size) {
+        let Some(loaded) = &mut self.loaded else { return };
+        if fitted {
+            loaded.view.camera = loaded.scene.turntable_camera(size.width as f32 / size.height as f32);
+            loaded.viewpoint = Viewpoint::of(&loaded.scene, &loaded.view.camera);
+        }
+        loaded.start = loaded.view.camera;
+    }
+
+    fn turn(&mut self, angle_rad: f32) {
+        if let Some(loaded) = &mut self.loaded {
+            loaded.view.camera = loaded.start.turned(angle_rad);
+        }
+    }
+
+    fn viewpoint(&self) -> Option<Viewpoint> {
+        self.loaded.as_ref().map(|loaded| loaded.viewpoint)
     }
 
     fn renderer(&self) -> String {
@@ -145,7 +175,8 @@ impl Draw for Drawer {
     }
 }
 
-fn settings(args: &RenderArgs) -> Settings {
+/// Samples and directions of the sky.
+pub(super) fn settings(args: &RenderArgs) -> Settings {
     let mut settings = Quality::from_name(&args.quality.name()).unwrap_or_default().settings();
     if args.look.depth_of_field.is_some() {
         settings = settings.through_lens();
@@ -280,23 +311,23 @@ fn missing_labels(text: &TextArgs, drawn: &[Drawn]) -> Option<String> {
         .then(|| "--label residue has no effect: the file gives no residues".to_owned())
 }
 
-/// What the window starts with. A direction of the lattice needs a cell, so with `--axis` the first file is read here as well.
+/// What the window starts with. A direction of the lattice needs a cell, so with `--axis` the first file is read here, for the window as well.
 #[cfg(feature = "window")]
 pub(super) fn window_options(
     args: &super::args::ViewArgs,
     report: &super::report::Report,
 ) -> Result<crate::app::Options> {
     let needs_structure = args.look.axis.is_some() || VectorChoice::from_name(&args.look.vectors) != VectorChoice::None;
-    let drawn = match import::trajectory::inputs(&args.files).first().filter(|_| needs_structure) {
-        Some(input) => super::load::load_for_picture(
-            input,
-            &Default::default(),
-            (args.bonds, args.crystal),
-            report,
-            &mut Default::default(),
-        )?,
-        None => Vec::new(),
-    };
+    // A session has a view and vectors of its own.
+    let inputs = import::trajectory::inputs(&args.files);
+    let first = inputs.first().filter(|input| needs_structure && !Session::is_at(&input.structure));
+    let (mut drawn, mut document) = (Vec::new(), None);
+    if let Some(input) = first {
+        let read = super::load::read_input(input, report)?;
+        let crystal = super::load::crystal_options(args.bonds, args.crystal);
+        drawn.push(crate::crystal::draw(read.at_frame(0)?, &crystal)?);
+        document = Some(Arc::new(read));
+    }
     let mut scene = scene_options(&args.look, &drawn)?;
     let mut notices = Vec::new();
     scene.overlay = overlay(&args.look, &mut notices)?;
@@ -307,12 +338,14 @@ pub(super) fn window_options(
     let measurements = std::mem::take(&mut scene.measurements);
     Ok(crate::app::Options {
         scene,
+        overlay: args.look.overlay.clone(),
         measurements,
         crystal: super::load::crystal_options(args.bonds, args.crystal),
         cell_box: args.crystal.has_box(),
         quality: Quality::default(),
         renderer: Choice::from_name(&args.renderer.renderer.name()).unwrap_or_default(),
         viewpoint: args.look.camera,
+        first: document,
     })
 }
 

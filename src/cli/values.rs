@@ -172,6 +172,13 @@ pub(super) fn positive(text: &str) -> Result<f32, String> {
     number.ok_or_else(|| "expected a number above 0, such as 0.5".to_owned())
 }
 
+/// Frames a second of a film.
+pub(super) fn frame_rate(text: &str) -> Result<f64, String> {
+    let most = crate::export::animation::MOST_FPS;
+    let wrong = || format!("expected a number of frames a second, from 0.1 to {most}");
+    text.parse().ok().filter(|fps| (0.1..=most).contains(fps)).ok_or_else(wrong)
+}
+
 /// Width of outlines in thousandths of the picture's height.
 pub(super) fn outline_width(text: &str) -> Result<f32, String> {
     let width = text.trim().parse().ok().filter(|x: &f32| (0.0..=50.0).contains(x));

@@ -85,6 +85,28 @@ fn replace(
     old: Option<&Metadata>,
     body: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
+    replace_file(target, old, |temporary| buffered(temporary.as_file_mut(), body))
+}
+
+/// As [`write`], for another program that writes: `body` gets the path of the temporary file. Only files will do.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_by_path(path: &Path, body: impl FnOnce(&Path) -> io::Result<()>) -> Result<()> {
+    let failed = |source| Error::Io { action: "write", path: path.to_owned(), source };
+    let target = follow_links(path).map_err(failed)?;
+    let old = std::fs::metadata(&target).ok();
+    if old.as_ref().is_some_and(|old| !old.is_file()) || is_stdout(path) || is_system_path(path) {
+        return Err(failed(io::Error::new(ErrorKind::InvalidInput, "it is no file; give the name of one")));
+    }
+    replace_file(&target, old.as_ref(), |temporary| body(temporary.path())).map_err(failed)
+}
+
+fn replace_file(
+    target: &Path,
+    old: Option<&Metadata>,
+    body: impl FnOnce(&mut tempfile::NamedTempFile) -> io::Result<()>,
+) -> io::Result<()> {
     if old.is_some_and(|metadata| metadata.permissions().readonly()) {
         let message = "the file is there and write-protected; remove the protection or choose another name";
         return Err(io::Error::new(ErrorKind::PermissionDenied, message));
@@ -108,7 +130,7 @@ fn replace(
     // Without tempfile's own words about its temporary name: the caller names the target.
     let plain = |error: io::Error| error.raw_os_error().map_or(error, io::Error::from_raw_os_error);
     let mut temporary = builder.tempfile_in(folder).map_err(plain)?;
-    buffered(temporary.as_file_mut(), body)?;
+    body(&mut temporary)?;
     if let Some(old) = old {
         temporary.as_file().set_permissions(old.permissions())?;
     }

@@ -1,9 +1,10 @@
 //! Files out: pictures, channels and structure formats, each written whole or not at all.
 //!
-//! [`atomic`] owns every write. [`picture`] turns what a renderer hands back into a picture file; [`formats`] is
+//! [`atomic`] owns every write. [`picture`] turns what a renderer hands back into a picture file, [`animation`] many of them into a film; [`formats`] is
 //! the table of structure formats, one module each ([`json`], [`mmcif`], [`cjson`], [`mol2`], [`pdb`], [`sdf`], [`xyz`]). Writers take any [`std::io::Write`] and
 //! stream: none builds the file in memory. What a format cannot hold is named by `losses`, never dropped silently.
 
+pub mod animation;
 pub mod atomic;
 pub mod cjson;
 pub mod formats;

@@ -162,6 +162,19 @@ impl Camera {
         if grid.orthographic { grid.plane_per_px } else { grid.plane_per_px * self.depth(self.target).max(self.near) }
     }
 
+    /// The camera after the scene has turned on a turntable by so much, its front to the right: about the upright axis through the target,
+    /// or, where the camera looks from above or below, about the picture's own.
+    #[must_use]
+    pub fn turned(mut self, angle_rad: f32) -> Camera {
+        let up = self.world_from_view * Vec3::Y;
+        // 60°: a look down on the ground of up to that much still has a front.
+        let axis = if up.y.abs() >= 0.5 { Vec3::Y * up.y.signum() } else { up };
+        let turn = Quat::from_axis_angle(axis, -angle_rad);
+        self.eye = self.target + turn * (self.eye - self.target);
+        self.world_from_view = (turn * self.world_from_view).normalize();
+        self
+    }
+
     /// The same view in the other projection: what is at the target's depth keeps its size.
     #[must_use]
     pub fn with_toggled_projection(mut self, fov_y_rad: f32) -> Camera {
@@ -177,5 +190,34 @@ impl Camera {
             }
         }
         self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::{FRAC_PI_2, TAU};
+
+    #[test]
+    fn a_turntable_takes_the_front_to_the_right_and_comes_back() {
+        let camera = Camera {
+            eye: Vec3::new(1.0, 3.0, 10.0),
+            world_from_view: Quat::from_rotation_x(-0.3),
+            projection: Projection::Orthographic { height: 5.0 },
+            near: 0.1,
+            far: 50.0,
+            target: Vec3::new(1.0, 0.0, 0.0),
+            shift: [0.0; 2],
+        };
+        let front = camera.target + Vec3::Z;
+        let in_view = |camera: &Camera, point: Vec3| camera.view_from_world().transform_point3(point);
+        assert!(in_view(&camera, front).x.abs() < 1e-5);
+        let turned = camera.turned(FRAC_PI_2);
+        assert!((in_view(&turned, front).x - 1.0).abs() < 1e-5, "{}", in_view(&turned, front));
+        assert!((turned.eye.y - 3.0).abs() < 1e-5, "the camera stays as high");
+        assert!(camera.turned(TAU).eye.distance(camera.eye) < 1e-4);
+        let from_above = Camera { world_from_view: Quat::from_rotation_x(-FRAC_PI_2), ..camera };
+        let up = |camera: &Camera| camera.world_from_view * Vec3::Y;
+        assert!(up(&from_above.turned(1.0)).distance(up(&from_above)) < 1e-5, "the picture does not spin");
     }
 }

@@ -16,6 +16,10 @@ pub const GROUND_FADE_END: f32 = 6.0;
 /// Free part of the picture on each side.
 pub const MARGIN: f32 = 0.06;
 
+/// Directions from which a turning scene is framed: between two of them 7.5° away nothing reaches out by more than 1 % (1 − cos 7.5°),
+/// which the margin has room for.
+pub(super) const TURNS: u32 = 24;
+
 /// The rotation that turns the longest principal axis of the points to X and the thinnest to Z. Signs are chosen by
 /// the third moments, so that the result does not depend on the order of the atoms; equal axes keep the file's.
 #[must_use]

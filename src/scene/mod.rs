@@ -212,6 +212,20 @@ impl Scene {
         fit::frame(self.world_extent(), self.world_from_view, self.perspective, aspect)
     }
 
+    /// The default camera for a film of this shape in which the scene turns about the upright axis through its middle: everything in the
+    /// picture all the time. Its target is on that axis.
+    #[must_use]
+    pub fn turntable_camera(&self, aspect: f32) -> Camera {
+        let middle = self.bounds.center();
+        let turns =
+            (0..fit::TURNS).map(|turn| Quat::from_rotation_y(std::f32::consts::TAU * turn as f32 / fit::TURNS as f32));
+        let turned = turns.flat_map(move |turn| {
+            self.world_extent().map(move |(center, radius)| (middle + turn * (center - middle), radius))
+        });
+        let camera = fit::frame(turned, self.world_from_view, self.perspective, aspect);
+        Camera { target: middle, ..camera }
+    }
+
     /// The structure and the number in it, from 0, of the atom or bond of an id: first all atoms, then the bonds. `None` for what is
     /// no structure's.
     #[must_use]

@@ -1,12 +1,19 @@
-//! Sessions: all that makes a picture, written down as JSON, and as the command line that draws it.
+//! Sessions: all that makes a picture, written down as JSON, and as the command line that draws it. Picture files hold theirs
+//! ([`mod@picture`]), with the SHA-256 sums of what they were made of ([`sums`]).
 //!
 //! Every setting has the name of its flag, and stands there even where it is the usual one, so that a session draws the same picture with
 //! a later version that has other defaults. Reading is strict: a name, field or number that means nothing is an error that says
 //! where. Paths are kept relative to the session's folder where the files lie in or below it, so that both can be moved together.
 //!
-//! Limits: meshes laid over the molecule are not kept. Atoms are kept by number, so a file that was changed may have others there.
+//! Limits: atoms are kept by number, so a file that was changed may have others there.
 
 mod command;
+pub mod picture;
+pub mod samples;
+pub mod sums;
+
+pub use command::Flag;
+pub use picture::Picture;
 
 use crate::bonds::{BondMode, BondOptions};
 use crate::crystal::{BondsPerFrame, CellChoice, CrystalOptions};
@@ -29,15 +36,29 @@ pub const VERSION: u32 = 1;
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct File {
-    /// Where it is.
+    /// Where it is: a file, `-` for standard input, or `sample:` and the name of one of [`samples`].
     pub path: PathBuf,
     /// Trajectories of its atoms.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub trajectories: Vec<PathBuf>,
-    /// The frame that is shown, counted from 1 through all records.
+    /// The frame that is shown, counted from 1 through all records (or in [`Picture::record`]).
     pub frame: u32,
     /// Whether it is shown.
     pub visible: bool,
+    /// What its sum was ([`sums`]), if it must be the same file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sha256: Option<String>,
+}
+
+/// A triangle mesh of a session (`--overlay`).
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Overlay {
+    /// Where it is.
+    pub path: PathBuf,
+    /// What its sum was, if it must be the same file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sha256: Option<String>,
 }
 
 impl File {
@@ -154,12 +175,27 @@ pub struct Session {
     pub supercell: [u32; 3],
     /// `--cell-box`, `--no-cell-box`; `null` leaves it to what is drawn.
     pub cell_box: Option<bool>,
+    /// `--overlay`.
+    #[serde(default)]
+    pub overlay: Vec<Overlay>,
+    /// `--overlay-opacity`; `null` for the meshes' own.
+    #[serde(default)]
+    pub overlay_opacity: Option<f32>,
+    /// `--overlay-wireframe`.
+    #[serde(default)]
+    pub overlay_wireframe: bool,
+    /// `--overlay-color`; `null` for the meshes' own.
+    #[serde(default)]
+    pub overlay_color: Option<String>,
     /// `--quality`.
     pub quality: String,
     /// The picked atoms in their order.
     pub picked: Vec<Atom>,
     /// `--measure`: two, three or four atoms each.
     pub measurements: Vec<Vec<Atom>>,
+    /// How the picture is made that this session is in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub picture: Option<Picture>,
 }
 
 /// What is in focus where nothing is said.
@@ -268,9 +304,14 @@ impl Session {
             cell: crystal.cell.name().to_owned(),
             supercell: crystal.supercell,
             cell_box: *cell_box,
+            overlay: Vec::new(),
+            overlay_opacity: scene.overlay_opacity,
+            overlay_wireframe: scene.overlay_wireframe,
+            overlay_color: scene.overlay_color.map(|color| color.to_string()),
             quality: quality.name().to_owned(),
             picked: Vec::new(),
             measurements: Vec::new(),
+            picture: None,
         }
     }
 
@@ -302,6 +343,14 @@ impl Session {
             within("depth_of_field", self.depth_of_field.filter(|&blur| blur != 0.0), 200.0)?,
             within("focus", self.focus, 1.0)?,
         );
+        let opacity = within("overlay_opacity", self.overlay_opacity, 1.0)?;
+        let color = |field: &str, text: &Option<String>| match text {
+            None => Ok(None),
+            Some(text) => match crate::color::Srgb8::parse(text) {
+                Some(color) if color.a == 255 => Ok(Some(color)),
+                _ => Err(wrong(field, text, "#rrggbb, or a name of a colour")),
+            },
+        };
         let viewpoint = match &self.camera {
             Some(text) => Some(
                 text.parse::<Viewpoint>()
@@ -345,19 +394,17 @@ impl Session {
             look: named("look", &self.look, Look::from_name, &Look::ALL.map(Look::name))?,
             light: named("light", &self.light, LightFrame::from_name, &LightFrame::ALL.map(LightFrame::name))?,
             fog,
-            outline: outline.map(|width| width / 1000.0),
-            outline_color: match &self.outline_color {
-                None => None,
-                Some(text) => match crate::color::Srgb8::parse(text) {
-                    Some(color) if color.a == 255 => Some(color),
-                    _ => return Err(wrong("outline_color", text, "#rrggbb, or a name of a colour")),
-                },
-            },
-            depth_of_field: blur.map(|blur| DepthOfField { blur: blur / 1000.0, focus: focus.unwrap_or(FOCUS) }),
+            // As the flags have it: to the last bit.
+            outline: outline.map(|width| width * 1e-3),
+            outline_color: color("outline_color", &self.outline_color)?,
+            depth_of_field: blur.map(|blur| DepthOfField { blur: blur * 1e-3, focus: focus.unwrap_or(FOCUS) }),
             aromatic: named("aromatic", &self.aromatic, Aromatic::from_name, &Aromatic::ALL.map(Aromatic::name))?,
             vectors: VectorChoice::from_name(&self.vectors),
             vector_scale: self.vector_scale,
             axes: self.axes,
+            overlay_opacity: opacity,
+            overlay_wireframe: self.overlay_wireframe,
+            overlay_color: color("overlay_color", &self.overlay_color)?,
             ..SceneOptions::default()
         };
         let mode = named("bonds", &self.bonds, BondMode::from_name, &BondMode::ALL.map(BondMode::name))?;
@@ -419,12 +466,25 @@ impl Session {
         Ok(labels)
     }
 
-    /// Whether bytes look like a session: a JSON object that says so.
+    /// Whether bytes look like a session: a JSON object that says so, or a picture that has one. The first [`HEAD_BYTES`] are enough.
     #[must_use]
     pub fn is_one(bytes: &[u8]) -> bool {
-        let start = &bytes[..bytes.len().min(4096)];
-        start.trim_ascii_start().first() == Some(&b'{')
+        let start = &bytes[..bytes.len().min(HEAD_BYTES)];
+        (start.trim_ascii_start().first() == Some(&b'{') || picture::is_picture(start))
             && start.windows(NAME.len()).any(|window| window == NAME.as_bytes())
+    }
+
+    /// Whether a file looks like one. What cannot be read does not.
+    #[must_use]
+    pub fn is_at(path: &Path) -> bool {
+        use std::io::Read;
+        // To open a pipe waits for its writer, and what is read from it here its reader does not get.
+        if !std::fs::metadata(path).is_ok_and(|metadata| metadata.is_file()) {
+            return false;
+        }
+        let Ok(file) = std::fs::File::open(path) else { return false };
+        let mut start = Vec::new();
+        file.take(HEAD_BYTES as u64).read_to_end(&mut start).is_ok() && Session::is_one(&start)
     }
 
     /// From JSON; paths are relative to this folder.
@@ -453,11 +513,17 @@ impl Session {
             if file.frame == 0 {
                 return Err(wrong("frame", "0", "a number from 1 on"));
             }
-            file.path = folder.join(&file.path);
-            file.trajectories.iter_mut().for_each(|path| *path = folder.join(&*path));
+            file.path = found_in(folder, &file.path);
+            file.trajectories.iter_mut().for_each(|path| *path = found_in(folder, &*path));
+        }
+        for mesh in &mut session.overlay {
+            mesh.path = found_in(folder, &mesh.path);
         }
         let files = u32::try_from(session.files.len()).unwrap_or(u32::MAX);
-        let is_atom = |&[file, atom]: &Atom| (1..=files).contains(&file) && atom > 0;
+        // Of a file with all its records every one counts.
+        let has_records = session.picture.as_ref().is_some_and(|picture| picture.record.is_some());
+        let most = if has_records { u32::MAX } else { files };
+        let is_atom = |&[file, atom]: &Atom| (1..=most).contains(&file) && atom > 0;
         if !session.picked.iter().chain(session.measurements.iter().flatten()).all(is_atom) {
             return Err(wrong(
                 "picked or measurements",
@@ -472,14 +538,43 @@ impl Session {
         Ok(session)
     }
 
-    /// Reads a session.
+    /// Reads a session, or that of a picture.
     ///
     /// # Errors
     /// If the file cannot be read or is no session.
     pub fn read(path: &Path) -> Result<Session> {
         let bytes =
             std::fs::read(path).map_err(|source| Error::Io { action: "read", path: path.to_owned(), source })?;
-        Session::parse(&bytes, path.parent().unwrap_or(Path::new("")))
+        let folder = path.parent().unwrap_or(Path::new(""));
+        if picture::is_picture(&bytes) { picture::session_in(&bytes, folder) } else { Session::parse(&bytes, folder) }
+    }
+
+    /// Keyword and text for a picture in this folder (`None` if it goes to standard output).
+    #[must_use]
+    pub fn text(&self, folder: Option<&Path>) -> (String, String) {
+        let written = self.with_paths_for(folder);
+        // Numbers that JSON does not have are refused before: nothing can fail.
+        (picture::KEYWORD.to_owned(), serde_json::to_string(&written).unwrap_or_default())
+    }
+
+    /// With paths relative to a folder where the files lie in or below it, else absolute.
+    fn with_paths_for(&self, folder: Option<&Path>) -> Session {
+        let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let folder = folder.map(absolute);
+        let kept = |path: &mut PathBuf| {
+            if is_file(path) {
+                let whole = absolute(path);
+                let below = folder.as_ref().and_then(|folder| whole.strip_prefix(folder).ok());
+                *path = below.map_or(whole.clone(), Path::to_owned);
+            }
+        };
+        let mut written = self.clone();
+        for file in &mut written.files {
+            kept(&mut file.path);
+            file.trajectories.iter_mut().for_each(kept);
+        }
+        written.overlay.iter_mut().for_each(|mesh| kept(&mut mesh.path));
+        written
     }
 
     /// Writes a session, whole or not at all.
@@ -487,20 +582,25 @@ impl Session {
     /// # Errors
     /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
-        let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        let place = absolute(path);
-        let folder = place.parent().unwrap_or(Path::new(""));
-        let mut written = self.clone();
-        for path in
-            written.files.iter_mut().flat_map(|file| std::iter::once(&mut file.path).chain(&mut file.trajectories))
-        {
-            let whole = absolute(path);
-            *path = whole.strip_prefix(folder).map_or(whole.clone(), Path::to_owned);
-        }
+        let place = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let written = self.with_paths_for(place.parent());
         let text = serde_json::to_string_pretty(&written)
             .map_err(|error| Error::Unsupported(format!("the session cannot be written down: {error}")))?;
         atomic::write(path, |out| writeln!(out, "{text}"))
     }
+}
+
+/// Bytes of a file that tell whether it is a session: texts stand before the pixels of a picture, after a title at most.
+pub const HEAD_BYTES: usize = 4096;
+
+/// Whether a path is that of a file, and not a name for something else.
+fn is_file(path: &Path) -> bool {
+    path.as_os_str() != "-" && samples::of_path(path).is_none()
+}
+
+/// Where the path of a session in this folder leads.
+fn found_in(folder: &Path, path: &Path) -> PathBuf {
+    if is_file(path) { folder.join(path) } else { path.to_owned() }
 }
 
 const NAME: &str = "\"ballstick_session\"";

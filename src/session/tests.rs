@@ -44,6 +44,9 @@ fn settings() -> Settings {
             outline: Some(0.0015),
             outline_color: Srgb8::parse("navy"),
             depth_of_field: Some(DepthOfField { blur: 0.012, focus: 0.75 }),
+            overlay_opacity: Some(0.25),
+            overlay_wireframe: true,
+            overlay_color: Srgb8::parse("teal"),
             ..SceneOptions::default()
         },
         crystal: CrystalOptions {
@@ -58,10 +61,39 @@ fn settings() -> Settings {
     }
 }
 
+/// With a file and a picture.
+pub(super) fn session() -> Session {
+    let mut session = Session::of(&settings());
+    session.files.push(File {
+        path: "a.xyz".into(),
+        frame: 3,
+        visible: true,
+        sha256: Some("0".repeat(64)),
+        ..File::default()
+    });
+    session.picture = Some(Picture {
+        size: "85mmx60mm".to_owned(),
+        dpi: Some(600),
+        region: Some("1,2,3,4".to_owned()),
+        crop: None,
+        samples: 4,
+        ao: 16,
+        channel: "color".to_owned(),
+        renderer: "cpu".to_owned(),
+        view: Some("front".to_owned()),
+        axis: None,
+        record: None,
+        turntable: Some(12),
+        frames: None,
+        fps: Some(12.5),
+    });
+    session
+}
+
 #[test]
 fn settings_come_back_through_json() {
-    let mut session = Session::of(&settings());
-    session.files.push(File { path: "a.xyz".into(), frame: 3, visible: true, ..File::default() });
+    let mut session = session();
+    session.overlay.push(Overlay { path: "/meshes/a.obj".into(), sha256: None });
     session.measurements.push(vec![[1, 1], [1, 2]]);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("s.json");
@@ -72,7 +104,8 @@ fn settings_come_back_through_json() {
     assert!(text.contains("\"sub/a.xyz\"") && Session::is_one(text.as_bytes()), "{text}");
     let read = Session::read(&path).unwrap();
     assert_eq!((&read.files[0].path, read.files[0].frame), (&file, 3));
-    assert_eq!(read.measurements, session.measurements);
+    assert_eq!((&read.measurements, &read.overlay), (&session.measurements, &session.overlay));
+    assert_eq!((&read.picture, &read.files[0].sha256), (&session.picture, &session.files[0].sha256));
     let again = read.settings().unwrap();
     let (a, b) = (again.viewpoint.unwrap(), settings().viewpoint.unwrap());
     assert!(a.target.distance(b.target) < 1e-5 && a.pose.center == b.pose.center);
@@ -92,7 +125,7 @@ fn what_means_nothing_is_refused_with_what_is_meant() {
     assert!(Session::parse(good.to_string().as_bytes(), Path::new("")).is_ok());
     assert!(refused("style", "cartoon".into()).contains("style: found \"cartoon\", expected one of ball-and-stick, "));
     assert!(refused("supercell", serde_json::json!([1, 0, 1])).contains("from 1 to 10000"));
-    assert!(refused("camera", "here".into()).contains("sixteen numbers"));
+    assert!(refused("camera", "here".into()).contains("sixteen or twenty-one numbers"));
     assert!(refused("label", serde_json::json!(["colour"])).contains("element, index"));
     assert!(refused("colour", "red".into()).contains("unknown field `colour`"));
     assert!(refused("hide", serde_json::json!(["chian A"])).contains("session: hide: "));
@@ -105,6 +138,12 @@ fn what_means_nothing_is_refused_with_what_is_meant() {
     assert!(refused("measurements", serde_json::json!([[[1, 1], [1, 2]]])).contains("number of a file"));
     for bad in ["", "{", "[]", "{\"ballstick_session\": 1}"] {
         assert!(Session::parse(bad.as_bytes(), Path::new("")).is_err(), "{bad}");
+    }
+    for name in ["-", "sample:caffeine"] {
+        let mut named = session();
+        named.files[0].path = name.into();
+        let text = named.text(None).1;
+        assert_eq!(Session::parse(text.as_bytes(), Path::new("/folder")).unwrap().files[0].path, Path::new(name));
     }
     assert!(!Session::is_one(b"{\"atoms\": []}") && !Session::is_one(b"HEADER \"ballstick_session\""));
 }

@@ -1,16 +1,16 @@
 //! The window, driven as a person would under a virtual display: Xvfb shows it, xdotool moves the mouse and types.
 //!
-//! Without those two programs the test prints SKIP; `BALLSTICK_GPU=require` (set where everything is installed) makes that a
-//! failure.
+//! Without those two programs the tests print SKIP; `BALLSTICK_WINDOW=require` or `BALLSTICK_GPU=require` (set where everything is
+//! installed) makes that a failure.
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-const BALLSTICK: &str = env!("CARGO_BIN_EXE_ballstick");
+pub(crate) const BALLSTICK: &str = env!("CARGO_BIN_EXE_ballstick");
 
 /// Ends a program when the test does, whichever way.
-struct Running(Child);
+pub(crate) struct Running(pub(crate) Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
@@ -20,11 +20,14 @@ impl Drop for Running {
 }
 
 /// Starts Xvfb on a display of its own choice; the reason if there is none.
-fn virtual_display() -> Result<(Running, String), String> {
+fn virtual_display(framebuffer: &Path) -> Result<(Running, String), String> {
     use std::io::{BufRead, BufReader};
     let mut child = Command::new("Xvfb")
         // Without -noreset the server starts anew when its last client leaves: xdotool, while the program connects.
         .args(["-displayfd", "1", "-screen", "0", "1000x800x24", "-nolisten", "tcp", "-noreset"])
+        // What is on the screen, as a file: XWD, see `care`.
+        .arg("-fbdir")
+        .arg(framebuffer)
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
@@ -39,13 +42,60 @@ fn virtual_display() -> Result<(Running, String), String> {
     }
 }
 
-fn xdotool(display: &str, arguments: &[&str]) -> String {
+/// A display whose picture is a file of this folder; `None` if there is none and none is required.
+pub(crate) fn display(framebuffer: &Path) -> Option<(Running, String)> {
+    let required = ["BALLSTICK_WINDOW", "BALLSTICK_GPU"]
+        .into_iter()
+        .any(|name| std::env::var(name).is_ok_and(|value| value == "require"));
+    let has_xdotool = Command::new("xdotool").arg("version").output().is_ok();
+    let display = if has_xdotool { virtual_display(framebuffer) } else { Err("xdotool is not installed".to_owned()) };
+    display
+        .inspect_err(|reason| {
+            assert!(!required, "{reason}");
+            println!("SKIP {reason}");
+        })
+        .ok()
+}
+
+/// Opens a window on a file, 400 × 300 pixels in the upper left corner, which is too narrow for the panel.
+pub(crate) fn open(display: &str, file: &Path, folder: &Path, preferences: &Path) -> Running {
+    let said = tempfile::NamedTempFile::new().unwrap();
+    let mut window = Running(
+        Command::new(BALLSTICK)
+            .arg(file)
+            .args(["--renderer", "cpu"])
+            .env("DISPLAY", display)
+            .env("XDG_CONFIG_HOME", preferences)
+            .env_remove("WAYLAND_DISPLAY")
+            .current_dir(folder)
+            .stdout(Stdio::null())
+            .stderr(said.reopen().unwrap())
+            .spawn()
+            .unwrap(),
+    );
+    let started = Instant::now();
+    let id = wait_for("the window", || {
+        // A program that has ended, or that says why it waits, is worth more than the time-out.
+        let ended = window.0.try_wait().unwrap();
+        let is_late = started.elapsed() > Duration::from_secs(50);
+        let text = || std::fs::read_to_string(said.path()).unwrap_or_default();
+        assert!(ended.is_none() && !is_late, "no window, {ended:?}: {:?}", text());
+        Some(xdotool(display, &["search", "--name", "ballstick"])).filter(|id| !id.is_empty())
+    });
+    xdotool(display, &["windowsize", "--sync", &id, "400", "300"]);
+    xdotool(display, &["windowmove", &id, "0", "0"]);
+    xdotool(display, &["windowfocus", &id]);
+    xdotool(display, &["mousemove", "200", "150"]);
+    window
+}
+
+pub(crate) fn xdotool(display: &str, arguments: &[&str]) -> String {
     let output = Command::new("xdotool").env("DISPLAY", display).args(arguments).output().unwrap();
     String::from_utf8_lossy(&output.stdout).trim().to_owned()
 }
 
 /// Waits until `done` gives something.
-fn wait_for<T>(what: &str, mut done: impl FnMut() -> Option<T>) -> T {
+pub(crate) fn wait_for<T>(what: &str, mut done: impl FnMut() -> Option<T>) -> T {
     let start = Instant::now();
     loop {
         if let Some(value) = done() {
@@ -56,7 +106,7 @@ fn wait_for<T>(what: &str, mut done: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-fn pixels(path: &Path) -> (u32, u32, Vec<u8>) {
+pub(crate) fn pixels(path: &Path) -> (u32, u32, Vec<u8>) {
     let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
     let mut reader = png::Decoder::new(file).read_info().unwrap();
     let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
@@ -65,7 +115,7 @@ fn pixels(path: &Path) -> (u32, u32, Vec<u8>) {
 }
 
 /// Presses `s` and waits for the picture it saves.
-fn screenshot(display: &str, path: PathBuf) -> (u32, u32, Vec<u8>) {
+pub(crate) fn screenshot(display: &str, path: PathBuf) -> (u32, u32, Vec<u8>) {
     xdotool(display, &["key", "s"]);
     wait_for("the screenshot", || path.exists().then_some(()));
     pixels(&path)
@@ -73,49 +123,11 @@ fn screenshot(display: &str, path: PathBuf) -> (u32, u32, Vec<u8>) {
 
 #[test]
 fn the_window_shows_turns_zooms_and_saves_what_render_draws() {
-    let required = std::env::var("BALLSTICK_GPU").is_ok_and(|value| value == "require");
-    let has_xdotool = Command::new("xdotool").arg("version").output().is_ok();
-    let display = if has_xdotool { virtual_display() } else { Err("xdotool is not installed".to_owned()) };
-    let (_xvfb, display) = match display {
-        Ok(display) => display,
-        Err(reason) => {
-            assert!(!required, "{reason}");
-            println!("SKIP {reason}");
-            return;
-        }
-    };
-    let (folder, preferences) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let (folder, preferences, framebuffer) =
+        (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let Some((_xvfb, display)) = display(framebuffer.path()) else { return };
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data/caffeine.sdf");
-    // A window on a file, 400 × 300 pixels, which is too narrow for the panel.
-    let open = |file: &Path| {
-        let said = tempfile::NamedTempFile::new().unwrap();
-        let mut window = Running(
-            Command::new(BALLSTICK)
-                .arg(file)
-                .args(["--renderer", "cpu"])
-                .env("DISPLAY", &display)
-                .env("XDG_CONFIG_HOME", preferences.path())
-                .env_remove("WAYLAND_DISPLAY")
-                .current_dir(&folder)
-                .stdout(Stdio::null())
-                .stderr(said.reopen().unwrap())
-                .spawn()
-                .unwrap(),
-        );
-        let started = Instant::now();
-        let id = wait_for("the window", || {
-            // A program that has ended, or that says why it waits, is worth more than the time-out.
-            let ended = window.0.try_wait().unwrap();
-            let is_late = started.elapsed() > Duration::from_secs(50);
-            let text = || std::fs::read_to_string(said.path()).unwrap_or_default();
-            assert!(ended.is_none() && !is_late, "no window, {ended:?}: {:?}", text());
-            Some(xdotool(&display, &["search", "--name", "caffeine"])).filter(|id| !id.is_empty())
-        });
-        xdotool(&display, &["windowsize", "--sync", &id, "400", "300"]);
-        xdotool(&display, &["windowfocus", &id]);
-        xdotool(&display, &["mousemove", "200", "150"]);
-        window
-    };
+    let open = |file: &Path| open(&display, file, folder.path(), preferences.path());
     let mut window = open(&file);
 
     let first = wait_for("the new size", || {

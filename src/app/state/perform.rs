@@ -2,11 +2,11 @@
 
 use super::{AtEnd, NEAREST, Preferences, Request, State};
 use crate::app::action::Action;
-use crate::app::loader::SAMPLES;
 use crate::app::work::{AtomKey, Source, Work};
-use crate::app::{navigate, picking, pictures, selecting, sessions};
+use crate::app::{animations, navigate, picking, pictures, selecting, sessions};
 use crate::import::trajectory::{self, Input};
 use crate::scene::{Background, Camera, fit};
+use crate::session::samples::SAMPLES;
 use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -35,7 +35,7 @@ impl State {
             Action::OpenInput(input) => self.loader.start(Source::File(input), self.work.crystal, None),
             Action::OpenSample(number) => {
                 if let Some(sample) = SAMPLES.get(number) {
-                    self.loader.start(Source::Sample(sample.name), self.work.crystal, None);
+                    self.loader.start(Source::Sample(sample), self.work.crystal, None);
                 }
             }
             Action::Reload => self.reload(),
@@ -160,6 +160,12 @@ impl State {
             Action::PictureDialog(on) => {
                 self.shown.picture = on.then(|| pictures::Dialog::new(self));
             }
+            Action::AnimationDialog(on) => {
+                self.shown.animation = on.then(|| animations::Dialog::new(self));
+            }
+            Action::StopAnimations => self.films.stop(),
+            Action::CopyPicture if self.work.layers.is_empty() => {}
+            Action::CopyPicture => pictures::copy(self),
             Action::SessionDialog(on) => self.shown.session = on.then(|| sessions::proposed(self)),
             Action::SaveSession(path) => sessions::save(self, &path),
             Action::CopyCommand => match sessions::command_line(self) {
@@ -184,6 +190,7 @@ impl State {
             Action::Panel(on) => self.prefer(|preferences| preferences.panel = on),
             Action::Theme(theme) => self.prefer(|preferences| preferences.theme = theme),
             Action::Mouse(preset) => self.prefer(|preferences| preferences.mouse = preset),
+            Action::Reloads(on) => self.prefer(|preferences| preferences.reloads = on),
             Action::Cancel => self.cancel(),
             Action::Escape => self.escape(),
         }
@@ -206,8 +213,12 @@ impl State {
         let shown = &mut self.shown;
         if shown.palette || shown.keys {
             (shown.palette, shown.keys) = (false, false);
-        } else if shown.picture.is_some() || shown.session.is_some() || shown.open.is_some() {
-            (shown.picture, shown.session, shown.open) = (None, None, None);
+        } else if shown.picture.is_some()
+            || shown.animation.is_some()
+            || shown.session.is_some()
+            || shown.open.is_some()
+        {
+            (shown.picture, shown.animation, shown.session, shown.open) = (None, None, None, None);
         } else if !self.loader.under_way().is_empty() || self.is_building() {
             self.cancel();
         } else if self.measuring {
@@ -226,7 +237,7 @@ impl State {
         } else if trajectory::is_trajectory(&path) {
             self.open_trajectory(path);
         } else {
-            self.loader.start(Source::File(Input::of(path)), self.work.crystal, None);
+            self.loader.start(Source::of(path), self.work.crystal, None);
         }
     }
 
@@ -251,6 +262,14 @@ impl State {
             if let Source::File(_) = layer.source {
                 self.loader.start(layer.source.clone(), self.work.crystal, Some(layer.id));
             }
+        }
+    }
+
+    /// Reads the file of one layer again, which has changed.
+    pub(in crate::app) fn reload_one(&mut self, id: u32) {
+        if let Some(layer) = self.work.layer(id) {
+            self.loader.start(layer.source.clone(), self.work.crystal, Some(id));
+            self.by_itself.insert(id);
         }
     }
 

@@ -31,7 +31,9 @@ fn data(name: &str) -> PathBuf {
 pub(in crate::app) fn settle(state: &mut State) {
     for _ in 0..2000 {
         state.poll();
-        if state.loader.under_way().is_empty() && !state.is_building() && state.pictures.under_way.is_empty() {
+        let draws =
+            !state.pictures.under_way.is_empty() || !state.films.under_way.is_empty() || state.pictures.is_copying;
+        if state.loader.under_way().is_empty() && !state.is_building() && !draws && state.opening.is_none() {
             return;
         }
         std::thread::sleep(Duration::from_millis(5));
@@ -397,6 +399,47 @@ fn pictures_are_saved_as_they_are_seen() {
         settle(&mut state);
         assert!(state.notices[0].is_error && state.notices[0].text.contains(what), "{:?}", state.notices);
     }
+}
+
+#[test]
+fn a_session_keeps_samples_and_meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mesh, path) = (folder.path().join("m.obj"), folder.path().join("s.json"));
+    std::fs::write(&mesh, "v 0 0 0\nv 3 0 0\nv 0 3 0\nf 1 2 3\n").unwrap();
+    let read = crate::import::mesh::read_path(&mesh, &Default::default()).unwrap().0;
+    let mut options = Options { overlay: vec![mesh.clone()], ..Options::default() };
+    (options.scene.overlay, options.scene.overlay_opacity) = (vec![Arc::new(read)], Some(0.5));
+    let mut state = State::new(options, Preferences::default(), Arc::new(|| {}));
+    state.apply(Action::Open("sample:ferrocene".into()));
+    state.wait_for_files();
+    state.apply(Action::SaveSession(path.clone()));
+    assert!(sessions::command_line(&state).unwrap().contains("render sample:ferrocene -o picture.png"));
+    let mut other = self::state();
+    other.apply(Action::Open(path.clone()));
+    other.wait_for_files();
+    settle(&mut other);
+    assert!(other.notices.is_empty(), "{:?}", other.notices);
+    assert_eq!(other.work.layers[0].source, state.work.layers[0].source);
+    assert_eq!((&other.work.overlay, other.work.scene.overlay_opacity), (&state.work.overlay, Some(0.5)));
+    assert_eq!(other.built.scene.bounds(), state.built.scene.bounds());
+    std::fs::remove_file(mesh).unwrap();
+    let mut none = self::state();
+    none.apply(Action::Open(path));
+    none.wait_for_files();
+    settle(&mut none);
+    assert!(none.work.layers.is_empty() && none.notices.iter().any(|notice| notice.text.contains("m.obj")));
+}
+
+#[test]
+fn the_picture_for_the_clipboard_is_the_finished_one_of_the_view() {
+    let mut state = opened(&["benzene.xyz"]);
+    state.set_view_px([64, 48]);
+    state.apply(Action::CopyPicture);
+    settle(&mut state);
+    let Some(Request::CopyImage(image)) = state.requests.pop() else { panic!("no picture") };
+    let mut renderer = crate::render::select(crate::render::Choice::Auto).unwrap().renderer;
+    renderer.load(Arc::clone(&state.built.scene)).unwrap();
+    assert!(image == renderer.image(&state.view(), &state.fine(state.work.quality)).unwrap());
 }
 
 #[test]

@@ -12,13 +12,14 @@ use std::path::PathBuf;
 /// Shows those that are open.
 pub(super) fn show(ctx: &Context, state: &mut State, actions: &mut Vec<Action>) {
     picture(ctx, state);
+    super::film::show(ctx, state);
     let session = state.shown.session.take();
     state.shown.session = path(ctx, "Save session", "Save", session, |path| actions.push(Action::SaveSession(path)));
     let open = state.shown.open.take();
     state.shown.open = path(ctx, "Open", "Open", open, |path| actions.push(Action::Open(path)));
 }
 
-fn window<R>(ctx: &Context, title: &str, content: impl FnOnce(&mut Ui) -> R) -> (Option<R>, bool) {
+pub(super) fn window<R>(ctx: &Context, title: &str, content: impl FnOnce(&mut Ui) -> R) -> (Option<R>, bool) {
     let mut open = true;
     let shown = Window::new(title)
         .open(&mut open)
@@ -30,7 +31,7 @@ fn window<R>(ctx: &Context, title: &str, content: impl FnOnce(&mut Ui) -> R) -> 
 }
 
 /// A path as text; whether it was finished with Enter.
-fn path_field(ui: &mut Ui, text: &mut String) -> bool {
+pub(super) fn path_field(ui: &mut Ui, text: &mut String) -> bool {
     let response = ui.add(TextEdit::singleline(text).desired_width(340.0));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::TextInput, true, "File"));
     // Asked first: to take the focus again is not to have lost it.

@@ -2,6 +2,7 @@
 
 mod atoms;
 mod dialogs;
+mod film;
 mod frames;
 mod help;
 mod notices;
@@ -69,9 +70,16 @@ fn keys(ui: &Ui, state: &State, actions: &mut Vec<Action>) {
     // Asked before the input is: egui's context cannot be asked twice at once.
     let is_typing = ui.ctx().egui_wants_keyboard_input();
     let has_focus = ui.ctx().memory(|memory| memory.focused().is_some());
+    // Text of a notice, say, that is marked is what is copied.
+    let marked = |labels: &mut egui::text_selection::LabelSelectionState| labels.has_selection();
+    let has_text = ui.ctx().with_plugin(marked).unwrap_or(false);
     let mut taken = Vec::new();
     ui.ctx().input(|input| {
         for event in &input.events {
+            // Systems have keys of their own for copying; egui tells what they mean.
+            if matches!(event, Event::Copy) && !is_typing && !has_text {
+                taken.extend(commands::of_key(state, egui::Key::C, egui::Modifiers::COMMAND, false));
+            }
             let Event::Key { key, pressed: true, repeat, modifiers, .. } = *event else { continue };
             let moves_focus = matches!(key, egui::Key::Space | egui::Key::Enter) && has_focus;
             let is_for_all = modifiers.command || key == egui::Key::Escape || key == egui::Key::F1;

@@ -19,7 +19,10 @@ pub(super) fn show(ui: &Ui, rect: Rect, state: &mut State, actions: &mut Vec<Act
     if state.notices.iter().any(|notice| !notice.is_error) {
         ctx.request_repaint_after_secs(0.5);
     }
-    let is_busy = !state.loader.under_way().is_empty() || state.is_building() || !state.pictures.under_way.is_empty();
+    let is_busy = !state.loader.under_way().is_empty()
+        || state.is_building()
+        || !state.pictures.under_way.is_empty()
+        || !state.films.under_way.is_empty();
     if state.notices.is_empty() && !is_busy {
         return;
     }
@@ -33,12 +36,18 @@ pub(super) fn show(ui: &Ui, rect: Rect, state: &mut State, actions: &mut Vec<Act
                 reading(ui, load, actions);
             }
             if state.is_building() {
-                busy(ui, "Making the picture's parts", 0.8, actions);
+                busy(ui, "Making the picture's parts", 0.8, Action::Cancel, actions);
             }
             if !state.pictures.under_way.is_empty() {
                 plate(ui, |ui| {
                     ui.label("Drawing the picture to save…");
                 });
+            }
+            for film in &state.films.under_way {
+                let (done, total) = (film.done.load(std::sync::atomic::Ordering::Relaxed), film.total);
+                let name = film.path.file_name().unwrap_or(film.path.as_os_str()).to_string_lossy();
+                let text = format!("Drawing {name}: {done} of {total}");
+                busy(ui, &text, done as f32 / total.max(1) as f32, Action::StopAnimations, actions);
             }
             for (index, notice) in state.notices.iter().enumerate() {
                 plate(ui, |ui| {
@@ -85,17 +94,18 @@ fn reading(ui: &mut Ui, load: &Load, actions: &mut Vec<Action>) {
         Stage::Bonds => (format!("Finding the bonds of {name}"), 0.5),
         Stage::Done => (format!("Read {name}"), 0.75),
     };
-    busy(ui, &format!("{text}, {waited:.0} s"), part, actions);
+    busy(ui, &format!("{text}, {waited:.0} s"), part, Action::Cancel, actions);
 }
 
-/// A step of opening a file: which of its steps are done is known, not how long they take.
-fn busy(ui: &mut Ui, text: &str, part: f32, actions: &mut Vec<Action>) {
+/// Something that takes long, how much of it is done, and what stops it. Of opening a file is known which of its steps are done, not how
+/// long they take.
+fn busy(ui: &mut Ui, text: &str, part: f32, stop: Action, actions: &mut Vec<Action>) {
     plate(ui, |ui| {
         ui.horizontal(|ui| {
             ui.label(text);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if ui.small_button("Cancel").clicked() {
-                    actions.push(Action::Cancel);
+                    actions.push(stop);
                 }
             });
         });

@@ -357,6 +357,7 @@ fn window(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     choice(ui, "Theme", &themes, state.preferences.theme, Action::Theme, actions);
     let presets = Preset::ALL.map(|preset| (preset, preset.name().to_owned()));
     choice(ui, "Mouse as in", &presets, state.preferences.mouse, Action::Mouse, actions);
+    switch(ui, "Read files again when they change", state.preferences.reloads, Action::Reloads, actions);
     button(
         ui,
         "Copy command line",

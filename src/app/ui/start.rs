@@ -1,8 +1,8 @@
 //! What stands in an empty window: how to open something.
 
 use crate::app::action::Action;
-use crate::app::loader::SAMPLES;
 use crate::app::state::State;
+use crate::session::samples::SAMPLES;
 use egui::{Align, Layout, RichText, ScrollArea, Ui, Vec2};
 
 /// Width of the column, points.

@@ -1,7 +1,7 @@
 use super::Memory;
 use crate::app::action::Action;
-use crate::app::state::State;
 use crate::app::state::tests::{opened, state};
+use crate::app::state::{Request, State};
 use crate::scene::{Background, ColorBy, Style};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, PointerButton, Pos2, Rect};
@@ -433,4 +433,26 @@ fn sizes_and_ions_have_their_places_in_the_panel() {
     let before = harness.state().state.built.scene.blocks[0].spheres[0].radius;
     harness.state_mut().state.apply(Action::BallScale(2.0));
     assert!((harness.state().state.built.scene.blocks[0].spheres[0].radius / before - 2.0).abs() < 1e-5);
+}
+
+#[test]
+fn a_film_is_asked_for_and_copying_means_the_picture() {
+    let mut harness = harness(opened(&["ethane-rotation.xyz"]));
+    press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::P);
+    assert!(harness.query_by_label("Save animation").is_some());
+    harness.get_by_label("Turntable").click();
+    steps(&mut harness);
+    harness.get_by_label("APNG").click();
+    steps(&mut harness);
+    let dialog = harness.state().state.shown.animation.clone().unwrap();
+    assert_eq!(dialog.kind, crate::app::animations::Kind::Turntable(100));
+    assert!(dialog.path.ends_with(".apng"), "{}", dialog.path);
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    assert!(harness.query_by_label("Save animation").is_none());
+    harness.event(egui::Event::Copy);
+    steps(&mut harness);
+    let is_asked = |state: &State| {
+        state.pictures.is_copying || state.requests.iter().any(|request| matches!(request, Request::CopyImage(_)))
+    };
+    assert!(is_asked(&harness.state().state));
 }
