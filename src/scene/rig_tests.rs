@@ -23,11 +23,14 @@ fn moved(structure: &Structure, step: f32) -> Structure {
     structure.with_frame(Frame { positions: Positions::from_relative(points, 3), ..frame })
 }
 
+fn item(structure: &Structure) -> Item<'_> {
+    Item { kind: 7, ..Item::of(structure) }
+}
+
 #[test]
 fn a_moved_scene_is_the_one_made_anew() {
     for name in ["caffeine.sdf", "aspirin.sdf", "1crn.pdb", "ferrocene.xyz"] {
         let molecule = molecule(name);
-        let item = |structure| Item { kind: 7, ..Item::of(structure) };
         for style in Style::ALL {
             for aromatic in Aromatic::ALL {
                 let options = SceneOptions {
