@@ -33,7 +33,7 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Bytes at the beginning of a file that tell what it is.
-const HEAD: usize = 64;
+const HEAD: usize = 128;
 /// Headers that are gone over at a time (chosen: a few milliseconds where the file is in memory).
 const AT_A_TIME: usize = 1000;
 /// Decimals in ångström that single precision holds: 100 Å to 0.00001 Å (24 bits).
@@ -55,7 +55,7 @@ impl TrajectoryFormat {
     /// All of them.
     pub const ALL: [TrajectoryFormat; 3] = [TrajectoryFormat::Xtc, TrajectoryFormat::Trr, TrajectoryFormat::Dcd];
 
-    /// The format by the first bytes of a file (64 are enough); `None` if it is no trajectory.
+    /// The format by the first bytes of a file (128 are enough); `None` if it is no trajectory.
     #[must_use]
     pub fn of(head: &[u8]) -> Option<TrajectoryFormat> {
         if xtc::is_xtc(head) {
