@@ -95,7 +95,8 @@
 //! - In a window drawn by a GPU there are no labels while something moves. The rings about picked atoms are drawn over the picture, faint
 //!   where something is before the atom, and are not in exports.
 //! - Sessions find atoms by their numbers. `--camera` writes one frame and one
-//!   view; files that show different frames are one command line only with the same. WebP, PPM, NPY, GIF and MP4 files do not say how they were made.
+//!   view; files that show different frames are one command line only with the same. WebP, PPM, NPY, GIF and MP4 files do not say how they were made; of
+//!   trajectories no sums are kept.
 //! - A film of frames keeps the camera that fits the first one. In a GIF a pixel is there or not, and has one of 255 colours.
 //! - On Wayland without Xwayland pictures cannot be copied.
 //! - Selections know distances within what is drawn, not across the faces of a cell, and no secondary structure but what the file states.
