@@ -60,13 +60,13 @@ fn molecules_are_whole_in_every_frame_wherever_they_are_cut() {
         assert_eq!((drawn.structure.bonds().len(), drawn.stubs.len(), drawn.kind), (2, 0, fixed.kind));
         assert_eq!(drawn.structure.frames()[0].time_ps, Some(1.0));
     }
-    assert!(cut > 10, "{cut} frames are cut");
+    assert!(cut > 5, "{cut} frames are cut");
 }
 
 #[test]
 fn bonds_do_not_break_and_are_those_of_the_structure_cut_or_not() {
     let cell = skew();
-    let whole = row(DVec3::new(9.9, 5.0, 5.0), DVec3::X);
+    let whole = row(cell.cartesian_from_fractional() * DVec3::new(0.93, 0.5, 0.5), DVec3::X);
     let points = wrapped(&whole, &cell);
     assert!(points[0].distance(points[1]) > 5.0);
     let atoms: Vec<(Element, DVec3)> = points.iter().map(|&at| (Element::C, at)).collect();

@@ -39,7 +39,7 @@ pub(super) fn show(ui: &Ui, rect: Rect, state: &State, actions: &mut Vec<Action>
                         .document
                         .time_ps(layer.frame)
                         .map_or_else(String::new, |time| format!("  {}", said(time)));
-                    ui.spacing_mut().slider_width = (width - 390.0 - 7.0 * time.len() as f32).max(60.0);
+                    ui.spacing_mut().slider_width = (width - 310.0 - 7.0 * time.len() as f32).max(60.0);
                     let mut frame = layer.frame + 1;
                     let slider = ui.add(egui::Slider::new(&mut frame, 1..=count).show_value(false));
                     slider.widget_info(|| egui::WidgetInfo::slider(true, frame as f64, "Frame"));
