@@ -244,10 +244,19 @@ mod tests {
     fn every_flag_of_a_picture_is_one_of_the_session() {
         // Where to and how, not what; what `Origin` has; and the other side of a switch that is off unless said.
         let others = ["output", "to", "timings", "from", "help", "frame", "camera"];
+        let selection = || crate::select::Selection::parse("water").unwrap();
         let mut session: Session = crate::session::Session::of(&crate::session::Settings {
             scene: crate::scene::SceneOptions {
                 hydrogens: false,
                 water: false,
+                ions: false,
+                by_selection: crate::scene::BySelection {
+                    show: vec![selection()],
+                    hide: vec![selection()],
+                    colors: vec![(selection(), crate::color::Srgb8::WHITE)],
+                    styles: vec![(selection(), Default::default())],
+                    labels: vec![selection()],
+                },
                 haptic: true,
                 axes: true,
                 vector_scale: Some(1.0),

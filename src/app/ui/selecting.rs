@@ -27,6 +27,8 @@ pub(super) struct Memory {
     asked: Option<(String, Arc<Built>, Found)>,
     /// What can be written, at a place of which text.
     proposed: Option<(String, usize, Completions)>,
+    /// Whether a press on one of these is not over yet.
+    is_pressed: bool,
     /// Which of these the arrows have come to.
     chosen: Option<usize>,
     color: Srgb8,
@@ -36,7 +38,7 @@ impl Default for Memory {
     fn default() -> Memory {
         // Chosen: few elements have it, and it is seen on white and on black.
         let color = Srgb8::rgb(230, 60, 140);
-        Memory { text: String::new(), asked: None, proposed: None, chosen: None, color }
+        Memory { text: String::new(), asked: None, proposed: None, is_pressed: false, chosen: None, color }
     }
 }
 
@@ -139,6 +141,7 @@ fn field(ui: &mut Ui, state: &State, memory: &mut Memory, actions: &mut Vec<Acti
             // A press takes the focus away before the click is one.
             if line.is_pointer_button_down_on() || line.clicked() {
                 accepted = Some(index);
+                memory.is_pressed = true;
             }
         }
     }
@@ -148,6 +151,11 @@ fn field(ui: &mut Ui, state: &State, memory: &mut Memory, actions: &mut Vec<Acti
     {
         put(ui, memory, id, proposed.span, &completion.text);
         response.request_focus();
+    }
+    if memory.is_pressed {
+        // The end of a click that is not on the field takes the focus from it.
+        response.request_focus();
+        memory.is_pressed = ui.input(|input| input.pointer.any_down());
     }
 }
 

@@ -305,7 +305,7 @@ impl Trajectory {
 
 /// The positions, if all are numbers and none is absurd.
 fn plausible(points: Vec<Vec3>) -> Result<Vec<Vec3>> {
-    let is_odd = |point: &Vec3| !(point.abs().max_element() <= FARTHEST as f32 && !point.is_nan());
+    let is_odd = |point: &Vec3| point.abs().max_element() > FARTHEST as f32 || point.is_nan();
     match points.iter().position(is_odd) {
         None => Ok(points),
         Some(atom) => {

@@ -5,7 +5,7 @@ use crate::render::cpu::tiles;
 use crate::render::field::{Field, GroundMap};
 use crate::render::frame::FrameConstants;
 use crate::render::settings::Settings;
-use crate::render::test_shapes::Random;
+use crate::render::test_shapes::{Random, Shape, cylinder};
 use crate::render::{Image, Quality};
 use crate::scene::{
     Background, Camera, ConeInstance, CylinderInstance, Placement, Projection, Region, SphereInstance, TorusInstance,
@@ -148,10 +148,26 @@ fn every_ball_and_stick_is_in_one_pack_and_in_its_box() {
     assert!(boxes < 4.0 * volume(whole.size() * 0.5), "{boxes}");
 }
 
+/// Whether a point is within bounds, if it can be seen at all.
+fn is_in(view: &View, point: DVec3, bounds: Option<(f32, [u16; 4])>) -> bool {
+    let (grid, depth) = (view.pixel_grid(), -point.z);
+    if depth < f64::from(view.camera.near) {
+        return true;
+    }
+    let over = 1.0 / f64::from(grid.plane_per_px) / if grid.orthographic { 1.0 } else { depth };
+    let (x, y) = (f64::from(grid.center_px[0]) + point.x * over, f64::from(grid.center_px[1]) - point.y * over);
+    if !(0.0..f64::from(view.width)).contains(&x) || !(0.0..f64::from(view.height)).contains(&y) {
+        return true;
+    }
+    let Some((nearest, [left, top, right, bottom])) = bounds else { return false };
+    let is_between = |at: f64, low: u16, high: u16| f64::from(low) <= at && at <= f64::from(high);
+    f64::from(nearest) <= depth && is_between(x, left, right) && is_between(y, top, bottom)
+}
+
 #[test]
-fn quick_bounds_hold_what_exact_ones_do() {
+fn quick_bounds_hold_every_point_as_exact_ones_do() {
     let mut random = Random(7);
-    let mut quick_ones = 0;
+    let (mut quick_ones, mut seen) = (0, 0);
     for number in 0..20_000 {
         let projection = match number % 3 {
             0 => Projection::Orthographic { height: 40.0 },
@@ -161,38 +177,33 @@ fn quick_bounds_hold_what_exact_ones_do() {
         let view = View::new(camera(Vec3::ZERO, Vec3::NEG_Z, projection), 640, 480);
         let framing = Framing::new(&view);
         let distance = random.log_between(1.0, 3000.0);
-        let center = random.in_view(distance, 1.2).as_vec3();
-        let sphere = Sphere { center, radius: random.log_between(0.01, 3.0) as f32 };
-        let half: DVec3 = random.direction() * random.log_between(0.1, 2.0);
-        let instance = CylinderInstance {
-            a: (center - half.as_vec3()).to_array(),
-            radius: sphere.radius * 0.5,
-            b: (center + half.as_vec3()).to_array(),
-            id: 1,
-            color_a: Srgb8::WHITE,
-            color_b: Srgb8::WHITE,
-            caps: random.below(3) | random.below(3) << 2,
-            hidden: 0,
-        };
-        let cylinder = Cylinder::new(&instance, &Affine3A::IDENTITY).unwrap();
-        let pairs = [
-            (framing.sphere(0, &sphere), framing.quick_sphere(0, &sphere)),
-            (framing.cylinder(0, &cylinder), framing.quick_cylinder(0, &cylinder)),
-        ];
-        for (exact, quick) in pairs {
-            let Some(exact) = exact else { continue };
-            let quick = quick.unwrap();
-            quick_ones += u32::from(exact.pixels != quick.pixels);
-            assert!(quick.nearest <= exact.nearest + 1e-4 * distance as f32);
-            for side in 0..2 {
-                assert!(quick.pixels[side] <= exact.pixels[side] && quick.pixels[side + 2] >= exact.pixels[side + 2]);
-            }
+        // So that parallel rays meet it, too.
+        let angle = if number % 3 == 0 { 15.0 / distance.max(15.0) } else { 1.2 };
+        let center = random.in_view(distance, angle);
+        let sphere = Sphere { center: center.as_vec3(), radius: random.log_between(0.01, 3.0) as f32 };
+        let caps = [random.below(3), random.below(3)];
+        let (axis, length) = (random.direction(), random.log_between(0.2, 4.0));
+        let cylinder = cylinder(center, axis, length, f64::from(sphere.radius) * 0.5, caps).unwrap();
+        let reach = cylinder.half_length + cylinder.radius;
+        let bounds = |candidate: Option<Candidate>| candidate.map(|candidate| (candidate.nearest, candidate.pixels));
+        let [exact, quick] = [framing.sphere(0, &sphere), framing.quick_sphere(0, &sphere)].map(bounds);
+        let [exact_stick, quick_stick] =
+            [framing.cylinder(0, &cylinder), framing.quick_cylinder(0, &cylinder)].map(bounds);
+        let around = framing.around(cylinder.center, reach * REACH_SLACK);
+        quick_ones += u32::from(exact != quick) + u32::from(exact_stick != quick_stick);
+        seen += u32::from(exact.is_some());
+        let (ball, stick) = (Shape::sphere(&sphere), Shape::cylinder(&cylinder));
+        for _ in 0..24 {
+            let point = ball.point(&mut random, true);
+            assert!(
+                is_in(&view, point, exact) && is_in(&view, point, quick),
+                "{sphere:?}: {point}, {exact:?}, {quick:?}"
+            );
+            let point = stick.point(&mut random, true);
+            assert!(is_in(&view, point, exact_stick), "{cylinder:?}: {point}, {exact_stick:?}");
+            assert!(is_in(&view, point, quick_stick), "{cylinder:?}: {point}, {quick_stick:?}");
+            assert!(is_in(&view, point, around), "{cylinder:?}: {point}, {around:?}");
         }
-        let reach = half.length() as f32 + cylinder.radius;
-        let Some(exact) = framing.cylinder(0, &cylinder) else { continue };
-        let (nearest, pixels) = framing.around(center, reach * REACH_SLACK).unwrap();
-        assert!(nearest <= exact.nearest + 1e-4 * distance as f32);
-        assert!((0..2).all(|side| pixels[side] <= exact.pixels[side] && pixels[side + 2] >= exact.pixels[side + 2]));
     }
-    assert!(quick_ones > 100, "{quick_ones}");
+    assert!(quick_ones > 1000 && seen > 5000, "{quick_ones}, {seen}");
 }
