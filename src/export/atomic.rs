@@ -88,10 +88,10 @@ fn replace(
     replace_file(target, old, |temporary| buffered(temporary.as_file_mut(), body))
 }
 
-/// As [`write`], for another program that writes: `body` gets the path of the temporary file. Only files will do.
+/// As [`write()`], for another program that writes: `body` gets the path of the temporary file. Only files will do.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_by_path(path: &Path, body: impl FnOnce(&Path) -> io::Result<()>) -> Result<()> {
     let failed = |source| Error::Io { action: "write", path: path.to_owned(), source };
     let target = follow_links(path).map_err(failed)?;

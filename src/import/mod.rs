@@ -290,7 +290,8 @@ impl Document {
     }
 
     /// The frame of this number, or the last one that is known if there is none.
-    pub(crate) fn nearest_frame(&self, index: usize) -> usize {
+    #[must_use]
+    pub fn nearest_frame(&self, index: usize) -> usize {
         if self.check_frame(index).is_ok() { index } else { self.frame_count().saturating_sub(1) }
     }
 
