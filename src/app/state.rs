@@ -57,6 +57,14 @@ pub(super) struct Shown {
     pub(super) open: Option<String>,
 }
 
+impl Shown {
+    /// Whether something stands before the molecule.
+    pub(super) fn is_before(&self) -> bool {
+        let asks = self.picture.is_some() || self.animation.is_some() || self.session.is_some() || self.open.is_some();
+        self.palette || self.keys || asks
+    }
+}
+
 /// What happens where the frames end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum AtEnd {

@@ -281,6 +281,9 @@ fn the_tip_says_what_is_under_the_pointer() {
     steps(&mut harness);
     assert!(harness.query_by_label("Carbon C").is_some());
     assert!(harness.query_all_by_label_contains("Å, aromatic, by distance").next().is_some());
+    // Not over a dialog.
+    press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::P);
+    assert!(harness.query_by_label("Save animation").is_some() && harness.query_by_label("Carbon C").is_none());
 }
 
 #[test]

@@ -279,8 +279,12 @@ fn hint(painter: &Painter, rect: Rect, text: &str) {
     badge(painter, rect.center_top() + Vec2::new(0.0, 22.0), text, Color32::from_rgb(60, 62, 68));
 }
 
+/// What the pointer is on, and after a while what that is.
 fn hover(ui: &Ui, painter: &Painter, view: &View<'_>, memory: &Memory, target: Target) {
     let Some((at, since, _)) = memory.pointer else { return };
+    if view.state.shown.is_before() {
+        return; // a tip would lie over it
+    }
     if let Target::Atom(key) = target {
         rings(painter, view, std::iter::once(key), theme::accent(ui).gamma_multiply(0.7));
     }

@@ -2,7 +2,7 @@
 //!
 //! [`mod@reference`] casts one ray after the other over a hierarchy, on one thread. [`tiles`] draws the same picture
 //! tile by tile on all cores with vector instructions: primitives are binned to tiles by their exact bounds, and each tile
-//! keeps a small depth buffer.
+//! keeps a small depth buffer. Frames that ask for no light from afar find them pack by pack, as they are needed.
 
 mod backdrop;
 mod behind;
