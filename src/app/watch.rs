@@ -107,9 +107,21 @@ mod tests {
     use super::*;
     use crate::app::action::Action;
     use crate::app::state::tests::{settle, state};
+    use std::path::PathBuf;
 
     const TWO: &str = "2\n\nO 0 0 0\nO 3 0 0\n";
     const THREE: &str = "3\n\nO 0 0 0\nO 3 0 0\nO 0 3 0\n";
+
+    /// A file of two atoms, in a folder of its own, that is open.
+    fn opened() -> (tempfile::TempDir, PathBuf, State) {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.xyz");
+        std::fs::write(&file, TWO).unwrap();
+        let mut state = state();
+        state.apply(Action::Open(file.clone()));
+        state.wait_for_files();
+        (folder, file, state)
+    }
 
     /// Looks as often as it takes, in time that does not pass.
     fn look_twice(state: &mut State) -> bool {
@@ -127,12 +139,7 @@ mod tests {
 
     #[test]
     fn a_changed_file_is_read_again_and_a_half_written_one_waited_for() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("a.xyz");
-        std::fs::write(&file, TWO).unwrap();
-        let mut state = state();
-        state.apply(Action::Open(file.clone()));
-        state.wait_for_files();
+        let (_folder, file, mut state) = opened();
         state.apply(Action::Turn(2, 0));
         let eye = state.work.camera.eye;
         assert!(!look_now(&mut state) && !look_now(&mut state), "nothing has changed");
@@ -155,12 +162,7 @@ mod tests {
 
     #[test]
     fn a_file_that_stays_broken_is_said_once_and_one_that_is_gone_stays_on_the_screen() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("a.xyz");
-        std::fs::write(&file, TWO).unwrap();
-        let mut state = state();
-        state.apply(Action::Open(file.clone()));
-        state.wait_for_files();
+        let (_folder, file, mut state) = opened();
         std::fs::remove_file(&file).unwrap();
         assert!(!look_twice(&mut state) && state.notices.is_empty());
         std::fs::write(&file, "no molecule").unwrap();

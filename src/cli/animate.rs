@@ -5,19 +5,18 @@
 
 use super::args::{Channel, RenderArgs};
 use super::frames::FrameRange;
-use super::load::{self, LoadSeconds};
-use super::picture::{Draw, Pixels};
+use super::load::{self, Molecules};
+use super::picture::{Draw, Pixels, each_of};
 use super::record::{Sums, metadata};
 use super::report::Report;
 use super::size::{Size, check_region};
 use super::values::{RecordChoice, Region};
 use super::{args::SelectArgs, plan};
-use crate::crystal::Drawn;
+use crate::crystal::{CrystalOptions, Drawn};
 use crate::error::{Error, Result};
 use crate::export::animation::{self, AnimationFormat, AnimationOptions};
-use crate::export::atomic;
-use crate::import::Document;
 use crate::import::trajectory::Input;
+use crate::import::{Document, Format};
 use crate::render::Image;
 use std::cell::Cell;
 use std::num::NonZeroU32;
@@ -71,7 +70,7 @@ pub(super) fn run(
     if args.look.depth_of_field.is_some() && !args.look.is_perspective() {
         return Err("--depth-of-field needs --projection perspective: parallel rays have no focus".to_owned());
     }
-    let plan = plan::films(&args.files, &args.output, name)?;
+    let plan = plan::outputs(&args.files, &args.output, name)?;
     if args.look.backdrop().0.is_none() {
         if !format.holds_alpha() {
             report.warn(&args.output, &format!("{name} cannot be transparent; the background is white"));
@@ -79,31 +78,9 @@ pub(super) fn run(
             report.note(&args.output, "in a gif a pixel is there or not: of the ground's shadow only the dark part stays; --no-ground leaves it out");
         }
     }
-    if let Some(folder) = plan.new_folder
-        && let Err(source) = std::fs::create_dir_all(&folder)
-    {
-        report.fail(&folder.clone(), &Error::Io { action: "make the folder", path: folder, source });
-        return Ok(());
-    }
-    for clash in plan.clashes {
-        report.fail_with(&clash.to_string());
-    }
-    for picture in &plan.pictures {
-        let mut finished = false;
-        let result = super::guarded(|| {
-            let result = one(args, (size, region, format), (&picture.inputs, &picture.output), report, draw);
-            finished = true;
-            result
-        });
-        if !finished {
-            draw.reset();
-        }
-        match result {
-            Ok(()) => {}
-            Err(error) if atomic::is_broken_pipe(&error) => return Ok(()),
-            Err(error) => report.fail(&picture.inputs[0].structure, &error),
-        }
-    }
+    each_of(plan, report, draw, &mut |picture, report, draw| {
+        one(args, (size, region, format), (&picture.inputs, &picture.output), report, draw)
+    });
     Ok(())
 }
 
@@ -112,6 +89,7 @@ struct Reel<'a> {
     input: &'a Input,
     select: SelectArgs,
     document: Document,
+    molecules: Molecules,
 }
 
 impl Reel<'_> {
@@ -132,11 +110,10 @@ impl Reel<'_> {
     }
 
     /// What is drawn of a frame, from 0; `None` for what is drawn of the file alone.
-    fn drawn(&self, frame: Option<usize>, args: &RenderArgs, report: &Report) -> Result<Vec<Drawn>> {
+    fn drawn(&mut self, frame: Option<usize>, options: &CrystalOptions) -> Result<Vec<Drawn>> {
         let number = frame.and_then(|frame| NonZeroU32::new(u32::try_from(frame + 1).ok()?));
         let select = SelectArgs { frame: number.or(self.select.frame), ..self.select };
-        let (document, crystal) = (self.document.clone(), (args.bonds, args.crystal));
-        load::drawn_of(document, &self.input.structure, &select, crystal, report, &mut LoadSeconds::default())
+        load::drawn_of(&self.document, &select, options, &mut self.molecules)
     }
 }
 
@@ -159,7 +136,10 @@ fn one(
             Ok(document)
         };
         match super::guarded(read_all) {
-            Ok(document) => read.push(Reel { input, select: SelectArgs { frame, ..args.select }, document }),
+            Ok(document) => {
+                let (select, molecules) = (SelectArgs { frame, ..args.select }, Molecules::new());
+                read.push(Reel { input, select, document, molecules });
+            }
             Err(error) => report.fail(&input.structure, &error),
         }
     }
@@ -184,27 +164,33 @@ fn one(
     report.start(total as usize);
     let report = &*report;
     let side_by_side = args.select.record == Some(RecordChoice::All);
+    let chosen: Vec<(&Input, SelectArgs)> = read.iter().map(|reel| (reel.input, reel.select)).collect();
+    let sources: Vec<(&Path, Format)> =
+        read.iter().map(|reel| (reel.input.structure.as_path(), reel.document.format)).collect();
+    let options = load::crystal_options(args.bonds, args.crystal);
     // The frame of each file: the one of the film where it has several, else its own.
-    let drawn_at = |frame: Option<usize>, args: &RenderArgs| -> Result<Vec<Drawn>> {
-        let mut drawn = Vec::new();
-        for reel in &read {
+    let mut drawn_at = |frame: Option<usize>| -> Result<Vec<Vec<Drawn>>> {
+        let drawn = |reel: &mut Reel<'_>| {
             // A shorter trajectory stays at its end.
-            let frame = frame.filter(|_| reel.frames() > 1).map(|frame| frame.min(reel.frames() - 1));
-            drawn.extend(reel.drawn(frame, args, report)?);
-        }
-        Ok(drawn)
+            let last = reel.frames().saturating_sub(1);
+            reel.drawn(frame.filter(|_| last > 0).map(|frame| frame.min(last)), &options)
+        };
+        read.iter_mut().map(drawn).collect()
     };
-    let first = drawn_at(frames.first().copied(), &args)?;
+    let first = drawn_at(frames.first().copied())?;
+    for (drawn, source) in first.iter().zip(sources) {
+        load::warn_of_cells(drawn, source, args.crystal, report);
+    }
+    let first = first.concat();
     draw.load(&first, side_by_side, &args, size)?;
     if !plays {
         draw.turntable(args.look.camera.is_none() || args.origin.fitted, size);
     }
     let viewpoint = draw.viewpoint();
     let fitted = args.look.camera.is_none() || args.origin.fitted;
-    let chosen: Vec<(&Input, SelectArgs)> = read.iter().map(|reel| (reel.input, reel.select)).collect();
     // Who draws is known after the first frame only, and texts come before it: one pixel tells.
     draw.part(Region { width: 1, height: 1, ..region }, Channel::Color)?;
-    let options = AnimationOptions {
+    let film = AnimationOptions {
         size: (region.width, region.height),
         frames: count,
         fps: args.fps.unwrap_or(animation::FPS),
@@ -224,7 +210,7 @@ fn one(
         if plays {
             let asked = frames.get(index as usize).copied();
             if asked != current {
-                draw.load(&drawn_at(asked, &args)?, side_by_side, &args, size)?;
+                draw.load(&drawn_at(asked)?.concat(), side_by_side, &args, size)?;
                 current = asked;
             }
         } else {
@@ -235,7 +221,7 @@ fn one(
             _ => Err(Error::Unsupported("the renderer drew another channel than asked for".to_owned())),
         }
     };
-    let written = animation::write(output, format, &options, &mut frame);
+    let written = animation::write(output, format, &film, &mut frame);
     for notice in draw.notices() {
         report.warn(output, &notice);
     }

@@ -10,6 +10,8 @@ use crate::import::trajectory::{self, Input};
 use crate::import::{Document, Format, ImportOptions};
 use crate::session::{Session, samples};
 use crate::structure::{Bond, BondKind, Frame, Structure};
+use std::collections::HashMap;
+use std::num::NonZeroU32;
 use std::path::Path;
 use std::time::Instant;
 
@@ -55,75 +57,109 @@ pub(super) fn load_for_picture(
     report: &Report,
     seconds: &mut LoadSeconds,
 ) -> Result<Vec<Drawn>> {
-    let path = &input.structure;
+    let options = crystal_options(bond_args, crystal_args);
     let started = Instant::now();
     let document = read_input(input, report)?;
-    seconds.read += started.elapsed().as_secs_f64();
-    drawn_of(document, path, select, (bond_args, crystal_args), report, seconds)
-}
-
-/// What is drawn of a document.
-pub(super) fn drawn_of(
-    document: Document,
-    path: &Path,
-    select: &SelectArgs,
-    (bond_args, crystal_args): (BondArgs, CrystalArgs),
-    report: &Report,
-    seconds: &mut LoadSeconds,
-) -> Result<Vec<Drawn>> {
-    let started = Instant::now();
-    let select = match select {
-        // One thing is drawn unless something is said.
-        SelectArgs { frame: None, record: None } => {
-            &SelectArgs { frame: Some(std::num::NonZeroU32::MIN), record: None }
-        }
-        select => select,
-    };
-    let is_mmcif = matches!(document.format, Format::Mmcif | Format::BinaryCif);
-    let is_trajectory = !document.trajectories.is_empty();
-    let options = crystal_options(bond_args, crystal_args);
-    let is_fixed = document.has_frames() && options.bonds_per_frame.is_fixed(is_trajectory);
-    let mut parts: Vec<(Structure, Option<Frame>)> = Vec::new();
-    for (record, frame) in chosen(&document, select)? {
-        let frame = frame.unwrap_or(0);
-        parts.push(match (is_fixed, is_trajectory) {
-            (true, true) => (first_frame(&document, record)?, Some(document.trajectory_frame(frame)?)),
-            (true, false) => {
-                let own = document.records[record].frames().get(frame).cloned();
-                (first_frame(&document, record)?, own)
-            }
-            (false, true) => (document.at_frame(frame)?, None),
-            (false, false) => (document.records[record].at_frame(frame).ok_or_else(|| document.missing(frame))?, None),
-        });
-    }
+    let parts = parts(&document, select, &options)?;
+    let mut molecules = Molecules::new();
+    add_molecules(&mut molecules, &document, &parts, &options)?;
+    let format = document.format;
+    // Its frames are no longer needed, and bonds take memory.
     drop(document);
     seconds.read += started.elapsed().as_secs_f64();
     let started = Instant::now();
-    let drawn = |(structure, frame): (Structure, Option<Frame>)| match frame {
-        Some(frame) => Fixed::new(structure, &options).draw(frame),
-        None => crystal::draw(structure, &options),
-    };
-    let drawn: Vec<Drawn> = parts.into_iter().map(drawn).collect::<Result<_>>()?;
-    let is_asked = crystal_args.supercell.is_several() || crystal_args.cell == CellArg::Full;
-    if is_asked && !drawn.iter().any(|drawn| drawn.is_cell_content) {
-        let why = match drawn.iter().any(|drawn| drawn.cell.is_some()) {
-            true if is_mmcif => {
-                "mmCIF files of proteins do not list the symmetry operations by which the atoms fill the cell; the entry's PDB \
-                 file does, in REMARK 290"
-            }
-            true => {
-                "the file lists no symmetry operations by which its atoms fill the cell, or the cell is a placeholder"
-            }
-            false => "the file states no unit cell",
-        };
-        report.warn(path, &format!("--cell full and --supercell have no effect: {why}; the atoms are drawn as listed"));
-    }
+    let drawn = draw(parts, &molecules, &options)?;
+    warn_of_cells(&drawn, (&input.structure, format), crystal_args, report);
     seconds.bonds += started.elapsed().as_secs_f64();
     Ok(drawn)
 }
 
-fn first_frame(document: &Document, record: usize) -> Result<Structure> {
-    document.records.get(record).and_then(|structure| structure.at_frame(0)).ok_or_else(|| document.missing(0))
+/// Molecules whose bonds hold in all their frames, by their record.
+pub(super) type Molecules = HashMap<usize, Fixed>;
+
+/// What is to be drawn of a document.
+enum Part {
+    /// A structure with bonds of its own.
+    Own(Box<Structure>),
+    /// A frame of a molecule: its record, and where its atoms are.
+    Frame(usize, Box<Frame>),
+}
+
+/// What is drawn of a document, one frame of many. The molecules are found once.
+pub(super) fn drawn_of(
+    document: &Document,
+    select: &SelectArgs,
+    options: &CrystalOptions,
+    molecules: &mut Molecules,
+) -> Result<Vec<Drawn>> {
+    let parts = parts(document, select, options)?;
+    add_molecules(molecules, document, &parts, options)?;
+    draw(parts, molecules, options)
+}
+
+fn parts(document: &Document, select: &SelectArgs, options: &CrystalOptions) -> Result<Vec<Part>> {
+    let select = match select {
+        // One thing is drawn unless something is said.
+        SelectArgs { frame: None, record: None } => &SelectArgs { frame: Some(NonZeroU32::MIN), record: None },
+        select => select,
+    };
+    let is_trajectory = !document.trajectories.is_empty();
+    let is_fixed = document.has_frames() && options.bonds_per_frame.is_fixed(is_trajectory);
+    let part = |(record, frame): (usize, Option<usize>)| {
+        let frame = frame.unwrap_or(0);
+        let structure = &document.records[record];
+        let missing = || document.missing(frame);
+        Ok(match (is_fixed, is_trajectory) {
+            (true, true) => Part::Frame(record, Box::new(document.trajectory_frame(frame)?)),
+            (true, false) => Part::Frame(record, Box::new(structure.frames().get(frame).cloned().ok_or_else(missing)?)),
+            (false, true) => Part::Own(Box::new(document.at_frame(frame)?)),
+            (false, false) => Part::Own(Box::new(structure.at_frame(frame).ok_or_else(missing)?)),
+        })
+    };
+    chosen(document, select)?.into_iter().map(part).collect()
+}
+
+fn add_molecules(
+    molecules: &mut Molecules,
+    document: &Document,
+    parts: &[Part],
+    options: &CrystalOptions,
+) -> Result<()> {
+    for part in parts {
+        if let Part::Frame(record, _) = part
+            && !molecules.contains_key(record)
+        {
+            let first = document.records.get(*record).and_then(|structure| structure.at_frame(0));
+            molecules.insert(*record, Fixed::new(first.ok_or_else(|| document.missing(0))?, options));
+        }
+    }
+    Ok(())
+}
+
+fn draw(parts: Vec<Part>, molecules: &Molecules, options: &CrystalOptions) -> Result<Vec<Drawn>> {
+    let drawn = |part: Part| match part {
+        Part::Own(structure) => Some(crystal::draw(*structure, options)),
+        Part::Frame(record, frame) => Some(molecules.get(&record)?.draw(*frame)),
+    };
+    parts.into_iter().filter_map(drawn).collect()
+}
+
+/// Says why cells are not drawn that were asked for.
+pub(super) fn warn_of_cells(drawn: &[Drawn], (path, format): (&Path, Format), args: CrystalArgs, report: &Report) {
+    let is_asked = args.supercell.is_several() || args.cell == CellArg::Full;
+    if !is_asked || drawn.iter().any(|drawn| drawn.is_cell_content) {
+        return;
+    }
+    let is_mmcif = matches!(format, Format::Mmcif | Format::BinaryCif);
+    let why = match drawn.iter().any(|drawn| drawn.cell.is_some()) {
+        true if is_mmcif => {
+            "mmCIF files of proteins do not list the symmetry operations by which the atoms fill the cell; the entry's PDB \
+             file does, in REMARK 290"
+        }
+        true => "the file lists no symmetry operations by which its atoms fill the cell, or the cell is a placeholder",
+        false => "the file states no unit cell",
+    };
+    report.warn(path, &format!("--cell full and --supercell have no effect: {why}; the atoms are drawn as listed"));
 }
 
 /// The options that the flags of bonds and crystals stand for.
@@ -153,7 +189,7 @@ pub(super) fn pick(document: Document, select: &SelectArgs) -> Result<Vec<Struct
 
 /// Which records are asked for, and which frame of each, from 0; no frame where all are meant. All of them are there.
 fn chosen(document: &Document, select: &SelectArgs) -> Result<Vec<(usize, Option<usize>)>> {
-    let number = |n: std::num::NonZeroU32| usize::try_from(n.get()).unwrap_or(usize::MAX);
+    let number = |n: NonZeroU32| usize::try_from(n.get()).unwrap_or(usize::MAX);
     let missing = |what: &str, asked: usize, there: usize| {
         Error::input(None, format!("{what} {asked} is asked for, but there are only {there}"))
     };

@@ -88,7 +88,7 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
     if let Some(format) = animate::wanted(args)? {
         return animate::run(args, format, report, draw);
     }
-    let Plan { pictures, clashes, new_folder, format } = plan(&args.files, &args.output, args.to.as_deref())?;
+    let (plan, format) = plan(&args.files, &args.output, args.to.as_deref())?;
     let size = args.size.pixels(args.dpi)?;
     if let Some(region) = args.region {
         check_region(size, region)?;
@@ -116,21 +116,36 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
         let name = format.extensions()[0];
         report.warn(&args.output, &format!("{name} cannot be transparent; the background is white"));
     }
-    if let Some(folder) = new_folder
+    report.start(plan.pictures.len());
+    let mut index = 0;
+    each_of(plan, report, draw, &mut |picture, report, draw| {
+        report.step(index, &picture.output.to_string_lossy());
+        index += 1;
+        one_picture(args, size, (picture, format), report, draw)
+    });
+    Ok(())
+}
+
+/// Makes what is planned, one after the other: what fails is said, and the next one is made. A reader that has gone ends it.
+pub(super) fn each_of(
+    plan: Plan,
+    report: &mut Report,
+    draw: &mut dyn Draw,
+    make: &mut dyn FnMut(&Picture, &mut Report, &mut dyn Draw) -> Result<()>,
+) {
+    if let Some(folder) = plan.new_folder
         && let Err(source) = std::fs::create_dir_all(&folder)
     {
         report.fail(&folder.clone(), &Error::Io { action: "make the folder", path: folder, source });
-        return Ok(());
+        return;
     }
-    for clash in clashes {
+    for clash in plan.clashes {
         report.fail_with(&clash.to_string());
     }
-    report.start(pictures.len());
-    for (index, picture) in pictures.iter().enumerate() {
-        report.step(index, &picture.output.to_string_lossy());
+    for picture in &plan.pictures {
         let mut finished = false;
         let result = super::guarded(|| {
-            let result = one_picture(args, size, (picture, format), report, draw);
+            let result = make(picture, report, draw);
             finished = true;
             result
         });
@@ -139,11 +154,10 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
         }
         match result {
             Ok(()) => {}
-            Err(error) if atomic::is_broken_pipe(&error) => return Ok(()),
+            Err(error) if atomic::is_broken_pipe(&error) => return,
             Err(error) => report.fail(&picture.inputs[0].structure, &error),
         }
     }
-    Ok(())
 }
 
 fn one_picture(

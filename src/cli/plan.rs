@@ -16,7 +16,6 @@ pub(super) struct Plan {
     pub(super) clashes: Vec<Clash>,
     /// A folder to make first.
     pub(super) new_folder: Option<PathBuf>,
-    pub(super) format: PictureFormat,
 }
 
 #[derive(Debug, PartialEq, Eq)]
@@ -42,62 +41,47 @@ impl std::fmt::Display for Clash {
     }
 }
 
-/// The plan for films with this extension; its format says nothing.
-pub(super) fn films(files: &[PathBuf], output: &Path, extension: &str) -> Result<Plan, String> {
-    if files.iter().filter(|file| file.as_os_str() == "-").count() > 1 {
-        return Err("- is given twice, but standard input can be read only once".to_owned());
-    }
-    let text = output.to_string_lossy();
-    let is_folder = output.is_dir();
-    if text.contains(STEM) {
-        return Ok(each(files, &text, PictureFormat::Png, None));
-    }
-    if is_folder || text.ends_with(std::path::is_separator) {
-        let pattern = output.join(format!("{STEM}.{extension}"));
-        let new_folder = (!is_folder).then(|| output.to_owned());
-        return Ok(each(files, &pattern.to_string_lossy(), PictureFormat::Png, new_folder));
-    }
-    let pictures = vec![Picture { inputs: inputs(files), output: output.to_owned() }];
-    Ok(Plan { pictures, clashes: Vec::new(), new_folder: None, format: PictureFormat::Png })
-}
-
-/// The plan for `render FILE… -o OUT`; an error is one of usage.
-pub(super) fn plan(files: &[PathBuf], output: &Path, to: Option<&str>) -> Result<Plan, String> {
-    if files.iter().filter(|file| file.as_os_str() == "-").count() > 1 {
-        return Err("- is given twice, but standard input can be read only once".to_owned());
-    }
+/// The plan for `render FILE… -o OUT`, and the format of its pictures; an error is one of usage.
+pub(super) fn plan(files: &[PathBuf], output: &Path, to: Option<&str>) -> Result<(Plan, PictureFormat), String> {
     let to = to.map(|name| {
         PictureFormat::from_name(name)
             .ok_or_else(|| format!("--to {name}: use png, jpg, webp, ppm or npy, or gif, apng or mp4 for films"))
     });
-    let to = to.transpose()?;
-    let by_name = || PictureFormat::from_path(output).map_err(|error| error.to_string());
-    let one = |format| {
-        let pictures = vec![Picture { inputs: inputs(files), output: output.to_owned() }];
-        Ok(Plan { pictures, clashes: Vec::new(), new_folder: None, format })
-    };
-    let text = output.to_string_lossy();
-    if text.contains(STEM) {
-        let format = to.map_or_else(by_name, Ok)?;
-        return Ok(each(files, &text, format, None));
-    }
-    let is_folder = output.is_dir();
-    if is_folder || text.ends_with(std::path::is_separator) {
-        let format = to.unwrap_or(PictureFormat::Png);
-        let pattern = output.join(format!("{STEM}.{}", format.extensions()[0]));
-        let new_folder = (!is_folder).then(|| output.to_owned());
-        return Ok(each(files, &pattern.to_string_lossy(), format, new_folder));
-    }
-    let nameless = crate::export::atomic::is_stdout(output) || output.starts_with("/dev");
-    one(match to {
+    let is_nameless = crate::export::atomic::is_stdout(output) || output.starts_with("/dev") || is_folder(output);
+    let format = match to.transpose()? {
         Some(format) => format,
-        None if nameless => PictureFormat::Png,
-        None => by_name()?,
-    })
+        None if is_nameless => PictureFormat::Png,
+        None => PictureFormat::from_path(output).map_err(|error| error.to_string())?,
+    };
+    Ok((outputs(files, output, format.extensions()[0])?, format))
 }
 
-fn each(files: &[PathBuf], pattern: &str, format: PictureFormat, new_folder: Option<PathBuf>) -> Plan {
-    let mut plan = Plan { pictures: Vec::new(), clashes: Vec::new(), new_folder, format };
+/// Whether pictures go into a folder, under names of their own.
+fn is_folder(output: &Path) -> bool {
+    let text = output.to_string_lossy();
+    !text.contains(STEM) && (output.is_dir() || text.ends_with(std::path::is_separator))
+}
+
+/// Which files are made of which; in a folder they have this extension.
+pub(super) fn outputs(files: &[PathBuf], output: &Path, extension: &str) -> Result<Plan, String> {
+    if files.iter().filter(|file| file.as_os_str() == "-").count() > 1 {
+        return Err("- is given twice, but standard input can be read only once".to_owned());
+    }
+    let text = output.to_string_lossy();
+    if text.contains(STEM) {
+        return Ok(each(files, &text, None));
+    }
+    if is_folder(output) {
+        let pattern = output.join(format!("{STEM}.{extension}"));
+        let new_folder = (!output.is_dir()).then(|| output.to_owned());
+        return Ok(each(files, &pattern.to_string_lossy(), new_folder));
+    }
+    let pictures = vec![Picture { inputs: inputs(files), output: output.to_owned() }];
+    Ok(Plan { pictures, clashes: Vec::new(), new_folder: None })
+}
+
+fn each(files: &[PathBuf], pattern: &str, new_folder: Option<PathBuf>) -> Plan {
+    let mut plan = Plan { pictures: Vec::new(), clashes: Vec::new(), new_folder };
     let mut taken: HashMap<PathBuf, PathBuf> = HashMap::new();
     for input in inputs(files) {
         let output = PathBuf::from(pattern.replace(STEM, &stem(&input.structure)));
@@ -132,7 +116,7 @@ mod tests {
     fn a_trajectory_belongs_to_the_structure_before_it() {
         // By their names: none of them is there.
         let files = paths(&["a.pdb", "a.xtc", "b.gro", "b.trr"]);
-        let plan = plan(&files, Path::new("o/"), None).unwrap();
+        let (plan, _) = plan(&files, Path::new("o/"), None).unwrap();
         assert_eq!(outputs(&plan), ["o/a.png", "o/b.png"]);
         assert_eq!(plan.pictures[1].inputs[0].trajectories, paths(&["b.trr"]));
     }
@@ -147,8 +131,8 @@ mod tests {
 
     #[test]
     fn a_file_takes_all_inputs() {
-        let plan = plan(&paths(&["a.sdf", "b.sdf"]), Path::new("fig.webp"), None).unwrap();
-        assert_eq!((plan.pictures.len(), plan.format), (1, PictureFormat::WebP));
+        let (plan, format) = plan(&paths(&["a.sdf", "b.sdf"]), Path::new("fig.webp"), None).unwrap();
+        assert_eq!((plan.pictures.len(), format), (1, PictureFormat::WebP));
         assert_eq!(plan.pictures[0].inputs, [Input::of("a.sdf".into()), Input::of("b.sdf".into())]);
     }
 
@@ -156,18 +140,18 @@ mod tests {
     fn a_folder_and_a_pattern_make_one_picture_each() {
         let folder = tempfile::tempdir().unwrap();
         let inputs = paths(&["x/1abc.cif.gz", "b.v2.sdf", "-"]);
-        let there = plan(&inputs, folder.path(), None).unwrap();
+        let (there, _) = plan(&inputs, folder.path(), None).unwrap();
         let names: Vec<_> = there.pictures.iter().map(|p| p.output.file_name().unwrap().to_str().unwrap()).collect();
         assert_eq!((names, there.new_folder), (vec!["1abc.png", "b.v2.png", "stdin.png"], None));
-        let new = plan(&inputs, &folder.path().join("new/"), Some("jpg")).unwrap();
+        let (new, _) = plan(&inputs, &folder.path().join("new/"), Some("jpg")).unwrap();
         assert!(new.new_folder.is_some() && new.pictures[0].output.ends_with("new/1abc.jpg"));
-        let pattern = plan(&inputs, Path::new("out/{stem}-top.ppm"), None).unwrap();
+        let (pattern, _) = plan(&inputs, Path::new("out/{stem}-top.ppm"), None).unwrap();
         assert_eq!(outputs(&pattern), ["out/1abc-top.ppm", "out/b.v2-top.ppm", "out/stdin-top.ppm"]);
     }
 
     #[test]
     fn the_second_input_of_a_name_is_a_clash() {
-        let plan = plan(&paths(&["a/x.sdf", "b/x.pdb", "y.sdf"]), Path::new("o/"), None).unwrap();
+        let (plan, _) = plan(&paths(&["a/x.sdf", "b/x.pdb", "y.sdf"]), Path::new("o/"), None).unwrap();
         assert_eq!(outputs(&plan), ["o/x.png", "o/y.png"]);
         assert_eq!(plan.clashes.len(), 1);
         assert_eq!(plan.clashes[0].input, PathBuf::from("b/x.pdb"));
@@ -184,8 +168,8 @@ mod tests {
 
     #[test]
     fn standard_output_is_png_unless_said() {
-        assert_eq!(plan(&paths(&["a"]), Path::new("-"), None).unwrap().format, PictureFormat::Png);
-        assert_eq!(plan(&paths(&["a"]), Path::new("-"), Some("npy")).unwrap().format, PictureFormat::Npy);
-        assert_eq!(plan(&paths(&["a"]), Path::new("/dev/null"), None).unwrap().format, PictureFormat::Png);
+        assert_eq!(plan(&paths(&["a"]), Path::new("-"), None).unwrap().1, PictureFormat::Png);
+        assert_eq!(plan(&paths(&["a"]), Path::new("-"), Some("npy")).unwrap().1, PictureFormat::Npy);
+        assert_eq!(plan(&paths(&["a"]), Path::new("/dev/null"), None).unwrap().1, PictureFormat::Png);
     }
 }

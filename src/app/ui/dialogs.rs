@@ -6,7 +6,8 @@ use crate::app::commands::capital;
 use crate::app::pictures;
 use crate::app::state::State;
 use crate::render::Quality;
-use egui::{Align2, Context, Key, TextEdit, Ui, Window};
+use egui::{Align2, Context, Key, Response, TextEdit, Ui, Window};
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 /// Shows those that are open.
@@ -63,12 +64,7 @@ fn picture(ctx: &Context, state: &mut State) {
     let (save, open) = window(ctx, "Save picture", |ui| {
         let mut save = row(ui, "File", |ui| path_field(ui, &mut dialog.path));
         row(ui, "Size", |ui| {
-            let width = ui.add(egui::DragValue::new(&mut dialog.width).range(16..=16_384).speed(4.0));
-            width.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::SpinButton, true, "Width"));
-            ui.label("×");
-            let height = ui.add(egui::DragValue::new(&mut dialog.height).range(16..=16_384).speed(4.0));
-            height.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::SpinButton, true, "Height"));
-            ui.label("pixels");
+            let [width, height] = size(ui, [&mut dialog.width, &mut dialog.height], MOST_SIDE);
             if dialog.keeps_shape && width.changed() {
                 dialog.height = scaled(dialog.width, view_height, view_width);
             } else if dialog.keeps_shape && height.changed() {
@@ -83,14 +79,7 @@ fn picture(ctx: &Context, state: &mut State) {
             }
             ui.checkbox(&mut dialog.keeps_shape, "Shape of the window");
         });
-        row(ui, "Quality", |ui| {
-            for quality in Quality::ALL {
-                ui.radio_value(&mut dialog.quality, quality, capital(quality.name()));
-            }
-        });
-        row(ui, "Background", |ui| ui.checkbox(&mut dialog.transparent, "Transparent"));
-        ui.add_space(4.0);
-        save |= ui.button("Save").clicked();
+        save |= ending(ui, &mut dialog.quality, &mut dialog.transparent);
         save
     });
     if save == Some(true) {
@@ -100,7 +89,38 @@ fn picture(ctx: &Context, state: &mut State) {
     }
 }
 
+/// Width and height up to so many pixels.
+pub(super) fn size(ui: &mut Ui, [width, height]: [&mut u32; 2], most: u32) -> [Response; 2] {
+    let width = number(ui, width, 16..=most, "Width");
+    ui.label("×");
+    let height = number(ui, height, 16..=most, "Height");
+    ui.label("pixels");
+    [width, height]
+}
+
+/// A whole number with a name for who cannot see where it stands.
+pub(super) fn number(ui: &mut Ui, value: &mut u32, range: RangeInclusive<u32>, name: &str) -> Response {
+    let response = ui.add(egui::DragValue::new(value).range(range));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::SpinButton, true, name));
+    response
+}
+
+/// What the dialogs of pictures and films end with; whether to save.
+pub(super) fn ending(ui: &mut Ui, quality: &mut Quality, transparent: &mut bool) -> bool {
+    row(ui, "Quality", |ui| {
+        for of_all in Quality::ALL {
+            ui.radio_value(quality, of_all, capital(of_all.name()));
+        }
+    });
+    row(ui, "Background", |ui| ui.checkbox(transparent, "Transparent"));
+    ui.add_space(4.0);
+    ui.button("Save").clicked()
+}
+
+/// Pixels on a side of a saved picture, at most.
+const MOST_SIDE: u32 = 16_384;
+
 fn scaled(side: u32, other: u32, of: u32) -> u32 {
     let scaled = (f64::from(side) * f64::from(other) / f64::from(of.max(1))).round();
-    (scaled as u32).clamp(16, 16_384)
+    (scaled as u32).clamp(16, MOST_SIDE)
 }

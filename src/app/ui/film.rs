@@ -1,12 +1,10 @@
 //! The dialog for films.
 
-use super::dialogs::{path_field, window};
+use super::dialogs::{ending, number, path_field, size, window};
 use super::parts::row;
 use crate::app::animations::{self, Dialog, Kind, MOST_FRAMES, MOST_SIDE};
-use crate::app::commands::capital;
 use crate::app::state::State;
 use crate::export::animation::{AnimationFormat, MOST_FPS};
-use crate::render::Quality;
 use egui::accesskit::Role;
 use egui::{Context, DragValue, Ui, WidgetInfo};
 use std::path::Path;
@@ -27,10 +25,7 @@ pub(super) fn show(ctx: &Context, state: &mut State) {
         });
         what(ui, &mut dialog, frames);
         row(ui, "Size", |ui| {
-            number(ui, &mut dialog.width, 16..=MOST_SIDE, "Width");
-            ui.label("×");
-            number(ui, &mut dialog.height, 16..=MOST_SIDE, "Height");
-            ui.label("pixels");
+            size(ui, [&mut dialog.width, &mut dialog.height], MOST_SIDE);
         });
         row(ui, "Speed", |ui| {
             let drag = DragValue::new(&mut dialog.fps).range(0.1..=MOST_FPS).speed(0.2).max_decimals(2);
@@ -38,14 +33,7 @@ pub(super) fn show(ctx: &Context, state: &mut State) {
             let seconds = f64::from(dialog.frames()) / dialog.fps;
             ui.label(format!("frames a second: {} frames, {seconds:.1} s", dialog.frames()));
         });
-        row(ui, "Quality", |ui| {
-            for quality in Quality::ALL {
-                ui.radio_value(&mut dialog.quality, quality, capital(quality.name()));
-            }
-        });
-        row(ui, "Background", |ui| ui.checkbox(&mut dialog.transparent, "Transparent"));
-        ui.add_space(4.0);
-        save |= ui.button("Save").clicked();
+        save |= ending(ui, &mut dialog.quality, &mut dialog.transparent);
         save
     });
     if save == Some(true) {
@@ -53,11 +41,6 @@ pub(super) fn show(ctx: &Context, state: &mut State) {
     } else if open {
         state.shown.animation = Some(dialog);
     }
-}
-
-fn number(ui: &mut Ui, value: &mut u32, range: std::ops::RangeInclusive<u32>, name: &str) {
-    let response = ui.add(DragValue::new(value).range(range));
-    response.widget_info(|| WidgetInfo::labeled(Role::SpinButton, true, name));
 }
 
 /// A turn, or frames where there are several.

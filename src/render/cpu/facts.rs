@@ -2,7 +2,7 @@
 
 use super::behind::Mask;
 use super::lanes::{LANES, Lanes};
-use super::source::Source;
+use super::source::Facts;
 use crate::color::Srgb8;
 use crate::math::{max, min};
 use crate::render::outline::RIM;
@@ -70,7 +70,7 @@ pub(super) struct Looks {
 impl Looks {
     /// Of balls and sticks where they are hit; zero for everything else.
     #[inline(always)]
-    pub(super) fn of(source: &dyn Source, indices: &[u32; LANES], seen: &Mask, hit: &[Lanes; 3]) -> Looks {
+    pub(super) fn of(source: &dyn Facts, indices: &[u32; LANES], seen: &Mask, hit: &[Lanes; 3]) -> Looks {
         let mut looks = Looks { normal: [[0.0; LANES]; 3], albedo: [[0.0; LANES]; 3] };
         let (mut left, mut lane, simple) = (*seen, 0, source.simple());
         while lane < LANES {

@@ -8,7 +8,7 @@
 
 use super::binning::{Bins, Candidate, Framing, share_out};
 use super::facts::Fact;
-use super::source::Source;
+use super::source::{Facts, Source};
 use super::tile::{Place, Tile};
 use crate::math::Aabb;
 use crate::render::settings::View;
@@ -269,18 +269,17 @@ impl Source for Packed<'_> {
             self.see_as::<false>(tile, candidates, place, number);
         }
     }
+}
 
-    #[inline(always)]
+impl Facts for Packed<'_> {
     fn simple(&self) -> u32 {
         self.simple
     }
 
-    #[inline(always)]
     fn first_of_shader(&self) -> u32 {
         self.simple
     }
 
-    #[inline(always)]
     fn fact(&self, index: u32) -> Fact {
         let (placed, i) = self.place_of(index);
         if index < self.spheres {

@@ -11,7 +11,7 @@ use super::facts::Looks;
 use super::lanes::{LANES, Lanes};
 use super::reach::{NOBODY, Points, Questions};
 use super::shader::Shader;
-use super::source::Source;
+use super::source::Facts;
 use super::tile::{Place, SIDE, Tile};
 use crate::color::Srgb8;
 use crate::math::max;
@@ -44,7 +44,7 @@ pub(super) struct Surfaces {
 /// pixels ask the same directions in one sample.
 #[inline(always)]
 pub(super) fn add(
-    (shader, source): (&Shader<'_>, &dyn Source),
+    (shader, source): (&Shader<'_>, &dyn Facts),
     questions: &Questions<'_>,
     place: &Place<'_>,
     tile: &Tile,
@@ -85,7 +85,7 @@ pub(super) fn add(
 /// Finishes the pixels of a tile that have but one sample, and ask nothing: `rows` are those of the picture, cut to the tile.
 #[inline(always)]
 pub(super) fn finish(
-    (shader, source): (&Shader<'_>, &dyn Source),
+    (shader, source): (&Shader<'_>, &dyn Facts),
     place: &Place<'_>,
     tile: &Tile,
     rows: &mut [&mut [Srgb8]],
@@ -164,7 +164,7 @@ fn gather(shader: &Shader<'_>, place: &Place<'_>, tile: &Tile, sample: usize, [r
 
 /// The surfaces of samples.
 #[inline(always)]
-fn surfaces((shader, source): (&Shader<'_>, &dyn Source), place: &Place<'_>, samples: Samples) -> (Surfaces, Points) {
+fn surfaces((shader, source): (&Shader<'_>, &dyn Facts), place: &Place<'_>, samples: Samples) -> (Surfaces, Points) {
     let near = shader.frame.depth[2];
     let Samples { u, v, t, seen, index } = &samples;
     // Rays start at (u, v, 0) and run along −z, or start at the eye and run along (u, v, −1).
@@ -202,7 +202,7 @@ fn surfaces((shader, source): (&Shader<'_>, &dyn Source), place: &Place<'_>, sam
 /// Normals and colours of what is neither ball nor stick, one by one.
 #[inline(always)]
 fn others(
-    (shader, source): (&Shader<'_>, &dyn Source),
+    (shader, source): (&Shader<'_>, &dyn Facts),
     place: &Place<'_>,
     samples: &Samples,
     points: &mut Points,

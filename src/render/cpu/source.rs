@@ -8,14 +8,17 @@ use crate::render::outline::Outline;
 use crate::render::settings::View;
 use crate::render::solids::{Primitive, Solids};
 
-/// What can be drawn tile by tile, and tells what was seen.
-pub(super) trait Source: Sync {
+/// What can be drawn tile by tile.
+pub(super) trait Source: Facts {
     /// Whether nothing reaches into a tile.
     fn is_empty(&self, tile: usize) -> bool;
 
     /// Finds what is seen in tile `number`; `candidates` is room to work in.
     fn see(&self, tile: &mut Tile, candidates: &mut Vec<Candidate>, place: &Place<'_>, number: usize);
+}
 
+/// What is told of what was seen. A trait of its own: shading is compiled once for all sources, and asks by a table of these.
+pub(super) trait Facts: Sync {
     /// How many balls and sticks there are: they have the lowest indices.
     fn simple(&self) -> u32;
 
@@ -48,18 +51,17 @@ impl Source for Listed<'_> {
         self.bins.of_tile(number, candidates);
         tile.see(place, self.solids, candidates);
     }
+}
 
-    #[inline(always)]
+impl Facts for Listed<'_> {
     fn simple(&self) -> u32 {
         (self.solids.spheres.len() + self.solids.cylinders.len()) as u32
     }
 
-    #[inline(always)]
     fn first_of_shader(&self) -> u32 {
         0
     }
 
-    #[inline(always)]
     fn fact(&self, index: u32) -> Fact {
         match self.solids.primitive(index as usize) {
             Primitive::Sphere(i) => Fact::of_sphere(&self.solids.spheres[i], self.solids.sphere_looks[i].0),

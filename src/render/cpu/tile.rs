@@ -180,6 +180,7 @@ impl Place<'_> {
 }
 
 /// Depth and primitive of what is nearest in each sample.
+#[derive(bytemuck::Zeroable)]
 pub(super) struct Tile {
     pub(super) t: [[Lanes; SIDE]; SIDE],
     /// Marked with [`RIM`] where it is the primitive's line.
@@ -191,13 +192,9 @@ pub(super) struct Tile {
 }
 
 impl Tile {
+    /// Room for a tile, which [`Tile::clear`] makes ready.
     pub(super) fn new() -> Box<Tile> {
-        Box::new(Tile {
-            t: [[[f32::INFINITY; LANES]; SIDE]; SIDE],
-            index: [[[0; LANES]; SIDE]; SIDE],
-            farthest: [[f32::INFINITY; SIDE]; SIDE],
-            touched: [[false; SIDE]; SIDE],
-        })
+        bytemuck::zeroed_box()
     }
 
     /// Takes away what was seen before.

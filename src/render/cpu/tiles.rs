@@ -12,7 +12,7 @@ use super::reach::{Lights, Questions, Shadows};
 use super::shade;
 use super::shader::Shader;
 use super::simd::{Work, widest};
-use super::source::{Listed, Source};
+use super::source::{Facts, Listed, Source};
 use super::tile::{Place, SIDE, Tile};
 use crate::color::Srgb8;
 use crate::render::field::GroundMap;
@@ -93,7 +93,7 @@ impl<S: Source> Work for See<'_, S> {
 /// What becomes of what is seen in a tile, as work for [`widest`]. For all sources one: it is long.
 struct Shade<'w, 'r> {
     shader: &'w Shader<'w>,
-    source: &'w dyn Source,
+    source: &'w dyn Facts,
     tile: &'w Tile,
     place: &'w Place<'w>,
     then: Then<'w, 'r>,
