@@ -57,6 +57,8 @@ fn a_picture_is_made_again_to_the_last_byte() {
     let small = |flags: &[&'static str]| [&["--size=48x36", "--quality=draft"][..], flags].concat();
     is_made_again(&case, "png", &["frames.xyz"], &small(&["--frame=2", "--no-ground", "--projection=orthographic"]));
     is_made_again(&case, "png", &["frames.xyz"], &small(&["--record=all", "--bonds=perceive"]));
+    let selections = ["--hide=index 1", "--style=element O=space-filling", "--color=element H=teal", "--no-ions"];
+    is_made_again(&case, "png", &["water.xyz"], &small(&selections));
     is_made_again(&case, "jpg", &["sample:caffeine"], &small(&["--no-hydrogens", "--crop=auto,2"]));
     is_made_again(&case, "png", &["quartz.cif"], &small(&["--axis=111", "--supercell=2x1x1", "--no-cell-box"]));
     is_made_again(&case, "png", &["water.xyz"], &small(&["--channel=depth"]));
@@ -182,4 +184,35 @@ fn films_show_turns_and_frames_and_say_what_they_cannot() {
     assert!(!case.path("a.gif").exists());
     let note = case.run(&[&["render", "water.xyz", "-o", "a.mp4", "--turntable=2"][..], &small].concat()).err();
     assert!(case.path("a.mp4").exists() || note.contains("ffmpeg"), "{note}");
+}
+
+#[test]
+fn trajectories_are_filmed_and_made_again() {
+    let case = Case::new(&[]);
+    for name in ["box.gro", "water.xtc"] {
+        fs::copy(format!("{}/data/trajectories/{name}", env!("CARGO_MANIFEST_DIR")), case.path(name)).unwrap();
+    }
+    let files = ["box.gro", "water.xtc"];
+    let flags = ["--size=64x48", "--quality=draft"];
+    is_made_again(&case, "png", &files, &[&flags[..], &["--frame=4", "--bonds-per-frame=always"]].concat());
+    // A film's frame is the picture of that frame, seen by the camera of the film's first.
+    let film = [&["render"][..], &files, &["-o", "film.apng", "--renderer=cpu"], &flags].concat();
+    assert_eq!(case.run(&film).status(0).err(), "");
+    let reader = png::Decoder::new(std::io::BufReader::new(fs::File::open(case.path("film.apng")).unwrap()));
+    let mut reader = reader.read_info().unwrap();
+    assert_eq!(reader.info().animation_control().map(|control| control.num_frames), Some(6));
+    let first = [&["render"][..], &files, &["-o", "first.png", "--renderer=cpu"], &flags].concat();
+    case.run(&first).status(0);
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let mut frames = Vec::new();
+    for _ in 0..6 {
+        reader.next_frame(&mut pixels).unwrap();
+        frames.push(pixels.clone());
+    }
+    let picture = png::Decoder::new(std::io::BufReader::new(fs::File::open(case.path("first.png")).unwrap()));
+    let mut picture = picture.read_info().unwrap();
+    let mut alone = vec![0; picture.output_buffer_size().unwrap()];
+    picture.next_frame(&mut alone).unwrap();
+    assert!(frames[0] == alone, "the first frame is not the picture of it");
+    assert!(frames.windows(2).all(|pair| pair[0] != pair[1]), "the atoms move");
 }
