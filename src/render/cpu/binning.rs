@@ -1,6 +1,8 @@
 //! Which primitives may be seen in which tile: exact bounds, and in each tile front to back.
 
-use crate::math::{max, min};
+use super::behind::Mask;
+use super::lanes::{LANES, Lanes};
+use crate::math::max;
 use crate::render::bounds::{
     BoundsCamera, PlaneRect, TORUS_PIECES, cone_rect, cylinder_rect, sphere_rect, torus_rect, triangle_rect,
 };
@@ -21,9 +23,9 @@ pub(super) struct Candidate {
     /// Pixels of the region that it may cover: left, top, right, bottom, the last two exclusive.
     pub(super) pixels: [u16; 4],
     /// The turned rectangle that it covers, in pixels of the full picture, y down.
-    rect: PlaneRect,
+    pub(super) rect: PlaneRect,
     /// Whether it is all in the circle in the rectangle, a square.
-    is_round: bool,
+    pub(super) is_round: bool,
 }
 
 impl Candidate {
@@ -83,29 +85,28 @@ impl Framing {
         Framing { camera, grid, region, px_of_radius: stretch / grid.plane_per_px }
     }
 
-    /// Where a small thing lies that fits in a ball: its middle and radius in pixels; `None` if it is not small, or near to the
-    /// near plane.
+    /// Where small things lie that fit in balls of view space: their middles and radii in pixels of the full picture, the latter
+    /// somewhat greater, and whether they are small and away from the near plane.
     #[inline(always)]
-    fn small(&self, center: Vec3, radius: f32) -> Option<(Vec2, f32)> {
-        let depth = -center.z;
-        if !(depth - radius > 1.01 * self.camera.near && radius <= SMALL * depth) {
-            return None;
+    pub(super) fn small_ones(&self, center: &[Lanes; 3], radius: &Lanes) -> ([Lanes; 2], Lanes, Mask) {
+        let (mut at, mut reach, mut is_small) = ([[0.0; LANES]; 2], [0.0; LANES], [0; LANES]);
+        let per_plane = 1.0 / self.grid.plane_per_px;
+        for lane in 0..LANES {
+            let depth = -center[2][lane];
+            let over = if self.camera.orthographic { 1.0 } else { 1.0 / depth };
+            at[0][lane] = self.grid.center_px[0] + center[0][lane] * over * per_plane;
+            at[1][lane] = self.grid.center_px[1] - center[1][lane] * over * per_plane;
+            reach[lane] = radius[lane] * over * self.px_of_radius;
+            let small = (depth - radius[lane] > 1.01 * self.camera.near) & (radius[lane] <= SMALL * depth);
+            is_small[lane] = if small { u32::MAX } else { 0 };
         }
-        let over = if self.camera.orthographic { 1.0 } else { 1.0 / depth };
-        let per_px = over / self.grid.plane_per_px;
-        let [x, y] = self.grid.center_px;
-        Some((Vec2::new(x + center.x * per_px, y - center.y * per_px), radius * over * self.px_of_radius))
+        (at, reach, is_small)
     }
 
-    /// The nearest depth and the pixels of what fits in a ball, somewhat wider; the whole picture for what is not small.
+    /// A depth that rounding makes no nearer.
     #[inline(always)]
-    pub(super) fn around(&self, center: Vec3, radius: f32) -> Option<(f32, [u16; 4])> {
-        let nearest = -center.z - radius;
-        let pixels = match self.small(center, radius) {
-            Some((at, r)) => clip([at.x - r, at.y - r, at.x + r, at.y + r], self.region)?,
-            None => clip([f32::NAN; 4], self.region)?,
-        };
-        Some((nearest - 1e-5 * nearest.abs(), pixels))
+    pub(super) fn no_nearer(depth: f32) -> f32 {
+        depth - 1e-5 * depth.abs()
     }
 
     /// What covers a rectangle of the plane, and is nowhere nearer than `nearest`; `None` if it is not in the picture.
@@ -118,39 +119,7 @@ impl Framing {
         let (low, high) = rect.upright();
         // A sample is somewhere in its pixel, hence whole pixels.
         let pixels = clip([low.x, low.y, high.x, high.y], self.region)?;
-        // Rounding of a depth of this size.
-        Some(Candidate { index, nearest: nearest - 1e-5 * nearest.abs(), pixels, rect, is_round: false })
-    }
-
-    /// A ball, quickly where it is small: its bounds are wider then by some per cent.
-    #[inline(always)]
-    pub(super) fn quick_sphere(&self, index: u32, sphere: &Sphere) -> Option<Candidate> {
-        let Some((center, radius)) = self.small(sphere.center, sphere.radius) else {
-            return self.sphere(index, sphere);
-        };
-        let half = Vec2::splat(radius);
-        let (low, high) = (center - half, center + half);
-        let pixels = clip([low.x, low.y, high.x, high.y], self.region)?;
-        let nearest = -sphere.center.z - sphere.radius;
-        let rect = PlaneRect { center, half, along: Vec2::X };
-        Some(Candidate { index, nearest: nearest - 1e-5 * nearest.abs(), pixels, rect, is_round: true })
-    }
-
-    /// A stick, quickly where its ends are small.
-    #[inline(always)]
-    pub(super) fn quick_cylinder(&self, index: u32, cylinder: &Cylinder) -> Option<Candidate> {
-        let [a, b] = cylinder.ends();
-        let ends = self.small(a, cylinder.radius).zip(self.small(b, cylinder.radius));
-        let Some(((at_a, radius_a), (at_b, radius_b))) = ends else { return self.cylinder(index, cylinder) };
-        // Around the balls at both ends.
-        let (between, radius) = (at_b - at_a, max(radius_a, radius_b));
-        let length = between.length();
-        let along = if length > 1e-3 { between / length } else { Vec2::X };
-        let rect = PlaneRect { center: (at_a + at_b) * 0.5, half: Vec2::new(length * 0.5 + radius, radius), along };
-        let (low, high) = (at_a.min(at_b) - radius, at_a.max(at_b) + radius);
-        let pixels = clip([low.x, low.y, high.x, high.y], self.region)?;
-        let nearest = min(-a.z, -b.z) - cylinder.radius;
-        Some(Candidate { index, nearest: nearest - 1e-5 * nearest.abs(), pixels, rect, is_round: false })
+        Some(Candidate { index, nearest: Framing::no_nearer(nearest), pixels, rect, is_round: false })
     }
 
     /// A ball.

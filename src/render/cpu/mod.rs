@@ -18,6 +18,7 @@ pub mod reference;
 mod shade;
 mod shader;
 mod simd;
+mod small;
 mod source;
 mod tile;
 pub mod tiles;

@@ -8,6 +8,7 @@
 
 use super::binning::{Bins, Candidate, Framing, share_out};
 use super::facts::Fact;
+use super::small::{Window, draw_balls, draw_sticks};
 use super::source::{Facts, Source};
 use super::tile::{Place, Tile};
 use crate::math::Aabb;
@@ -20,9 +21,6 @@ use rayon::prelude::*;
 /// Balls and sticks of a pack. Chosen, other numbers were not tried: 32 atoms of a protein with their bonds are some 9 Å wide, and a million
 /// atoms make 32,000 packs.
 const MEMBERS: usize = 64;
-
-/// For the rounding of a stick's reach.
-const REACH_SLACK: f32 = 1.0001;
 
 /// Some neighbours: balls, then sticks.
 #[derive(Debug, Clone, Copy)]
@@ -129,13 +127,13 @@ struct Seen {
 }
 
 /// A block where a view sees it.
-struct Placed<'a> {
-    block: &'a Block,
+pub(super) struct Placed<'a> {
+    pub(super) block: &'a Block,
     packs: &'a BlockPacks,
-    view_from_block: Affine3A,
+    pub(super) view_from_block: Affine3A,
     /// Numbers of its first ball and stick in the scene.
-    first_sphere: u32,
-    first_cylinder: u32,
+    pub(super) first_sphere: u32,
+    pub(super) first_cylinder: u32,
 }
 
 /// The packs that a view sees, tile by tile from front to back, and everything that is neither ball nor stick.
@@ -211,6 +209,7 @@ impl<'a> Packed<'a> {
         place: &Place<'_>,
         number: usize,
     ) {
+        let window = Window::new(place);
         let list = &self.list[self.first[number] as usize..self.first[number + 1] as usize];
         for (asked, &seen) in list.iter().enumerate() {
             let Seen { nearest, pixels, placement, pack } = self.seen[seen as usize];
@@ -225,27 +224,8 @@ impl<'a> Packed<'a> {
             let members =
                 &placed.packs.members[pack.start as usize..][..usize::from(pack.spheres) + usize::from(pack.cylinders)];
             let (spheres, cylinders) = members.split_at(usize::from(pack.spheres));
-            for &i in spheres {
-                let sphere = Sphere::new(&placed.block.spheres[i as usize], &placed.view_from_block);
-                let Some(candidate) = self.framing.quick_sphere(placed.first_sphere + i, &sphere) else { continue };
-                if !tile.hides(place, candidate.nearest, candidate.pixels) {
-                    tile.draw_sphere::<PARALLEL>(place, &candidate, &sphere);
-                }
-            }
-            for &i in cylinders {
-                let instance = &placed.block.cylinders[i as usize];
-                let (a, b) = (Vec3::from(instance.a), Vec3::from(instance.b));
-                let center = placed.view_from_block.transform_point3((a + b) * 0.5);
-                let reach = 0.5 * (b - a).length() + instance.radius;
-                let Some((nearest, pixels)) = self.framing.around(center, reach * REACH_SLACK) else { continue };
-                if tile.hides(place, nearest, pixels) {
-                    continue;
-                }
-                let Some(cylinder) = Cylinder::new(instance, &placed.view_from_block) else { continue };
-                if let Some(candidate) = self.framing.quick_cylinder(placed.first_cylinder + i, &cylinder) {
-                    tile.draw_cylinder::<PARALLEL>(place, &candidate, &cylinder);
-                }
-            }
+            draw_balls::<PARALLEL>((tile, place), (&window, &self.framing), placed, spheres);
+            draw_sticks::<PARALLEL>((tile, place), (&window, &self.framing), placed, cylinders);
         }
         self.other_bins.of_tile(number, candidates);
         for candidate in candidates.iter_mut() {

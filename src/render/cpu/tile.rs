@@ -19,7 +19,7 @@ use std::ops::Range;
 pub(super) const SIDE: usize = 32;
 
 /// The depth of a primitive along the ray of plane coordinates. (A trait, not a closure: it must be inlined wherever it is used.)
-trait DepthAt {
+pub(super) trait DepthAt {
     /// Whether it has a line around it.
     const OUTLINED: bool = false;
 
@@ -53,14 +53,15 @@ impl<D: DepthAt> DepthAt for Outlined<D> {
 }
 
 /// A primitive seen with parallel rays (`PARALLEL`) or in perspective.
-struct Drawn<S, const PARALLEL: bool> {
-    solid: S,
-    near: f32,
+#[derive(Clone, Copy)]
+pub(super) struct Drawn<S, const PARALLEL: bool> {
+    pub(super) solid: S,
+    pub(super) near: f32,
 }
 
 /// The ray of plane coordinates.
 #[inline(always)]
-pub(super) fn ray<const PARALLEL: bool>(u: f32, v: f32) -> Ray {
+fn ray<const PARALLEL: bool>(u: f32, v: f32) -> Ray {
     if PARALLEL {
         Ray { origin: Vec3::new(u, v, 0.0), direction: Vec3::new(0.0, 0.0, -1.0) }
     } else {
@@ -81,7 +82,8 @@ impl<const PARALLEL: bool> DepthAt for Drawn<Sphere, PARALLEL> {
 }
 
 /// A ball that lies beyond the near plane: less to find out.
-struct Beyond(Sphere);
+#[derive(Clone, Copy)]
+pub(super) struct Beyond(pub(super) Sphere);
 
 impl<const PARALLEL: bool> DepthAt for Drawn<Beyond, PARALLEL> {
     #[inline(always)]
@@ -91,7 +93,8 @@ impl<const PARALLEL: bool> DepthAt for Drawn<Beyond, PARALLEL> {
 }
 
 /// A cylinder with two flat caps: less to find out.
-struct Flat(Cylinder);
+#[derive(Clone, Copy)]
+pub(super) struct Flat(pub(super) Cylinder);
 
 impl<const PARALLEL: bool> DepthAt for Drawn<Flat, PARALLEL> {
     #[inline(always)]
@@ -165,6 +168,12 @@ pub(super) struct Place<'a> {
 }
 
 impl Place<'_> {
+    /// Pixels counted from the tile's corner, left, top, right and bottom, as pixels of the region.
+    #[inline(always)]
+    pub(super) fn in_the_region(&self, pixels: [u32; 4]) -> [u16; 4] {
+        std::array::from_fn(|side| (pixels[side] + self.in_region[side % 2]) as u16)
+    }
+
     /// Plane coordinates of the samples of a block: the same bits as [`PixelGrid::plane`] gives.
     #[inline(always)]
     pub(super) fn u(&self, column: usize) -> Lanes {
@@ -396,6 +405,23 @@ impl Tile {
         }
     }
 
+    /// Sees a primitive at this depth in sample `at`, counted through the rows of blocks, if it is nearer than what was seen there.
+    #[inline(always)]
+    pub(super) fn see_at(&mut self, at: usize, t: f32, index: u32) {
+        let (block, lane) = (at / LANES, at % LANES);
+        let depths = &mut self.t.as_flattened_mut()[block];
+        let seen = &mut self.index.as_flattened_mut()[block][lane];
+        let before = depths[lane];
+        if t < before || (t == before && index < *seen) {
+            (depths[lane], *seen) = (t, index);
+            self.touched.as_flattened_mut()[block] = true;
+            let farthest = &mut self.farthest.as_flattened_mut()[block];
+            if before == *farthest {
+                *farthest = farthest_of(depths);
+            }
+        }
+    }
+
     #[inline(always)]
     fn draw(&mut self, place: &Place<'_>, candidate: &Candidate, mask: &[bool; LANES], drawn: &impl DepthAt) {
         let side = place.pass.side;
@@ -458,18 +484,24 @@ impl Tile {
                 seen[lane] = if closer[lane] != 0 { what[lane] } else { seen[lane] };
             }
             self.touched[row][column] = true;
-            // Halved again and again: each step is one instruction for all.
-            let (mut eight, mut four, mut two) = ([0.0f32; 8], [0.0f32; 4], [0.0f32; 2]);
-            for lane in 0..8 {
-                eight[lane] = if t[lane] > t[lane + 8] { t[lane] } else { t[lane + 8] };
-            }
-            for lane in 0..4 {
-                four[lane] = if eight[lane] > eight[lane + 4] { eight[lane] } else { eight[lane + 4] };
-            }
-            for lane in 0..2 {
-                two[lane] = if four[lane] > four[lane + 2] { four[lane] } else { four[lane + 2] };
-            }
-            self.farthest[row][column] = if two[0] > two[1] { two[0] } else { two[1] };
+            self.farthest[row][column] = farthest_of(t);
         }
     }
+}
+
+/// The greatest of the depths of a block.
+#[inline(always)]
+fn farthest_of(t: &Lanes) -> f32 {
+    // Halved again and again: each step is one instruction for all.
+    let (mut eight, mut four, mut two) = ([0.0f32; 8], [0.0f32; 4], [0.0f32; 2]);
+    for lane in 0..8 {
+        eight[lane] = if t[lane] > t[lane + 8] { t[lane] } else { t[lane + 8] };
+    }
+    for lane in 0..4 {
+        four[lane] = if eight[lane] > eight[lane + 4] { eight[lane] } else { eight[lane + 4] };
+    }
+    for lane in 0..2 {
+        two[lane] = if four[lane] > four[lane + 2] { four[lane] } else { four[lane + 2] };
+    }
+    if two[0] > two[1] { two[0] } else { two[1] }
 }
