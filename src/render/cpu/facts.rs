@@ -10,6 +10,7 @@ use crate::render::solids::{Cylinder, Sphere};
 use glam::Vec3;
 
 /// What shading needs of a primitive.
+#[derive(Clone, Copy)]
 pub(super) enum Fact {
     /// A ball: its centre and linear colour.
     Ball(Vec3, [f32; 3]),
@@ -20,6 +21,7 @@ pub(super) enum Fact {
 }
 
 /// What shading needs of a stick.
+#[derive(Clone, Copy)]
 pub(super) struct Stick {
     center: Vec3,
     /// Unit.
@@ -59,6 +61,39 @@ impl Fact {
     }
 }
 
+/// Facts that [`Memo`] keeps. Chosen: a row of a tile's groups shows fewer primitives at 10,000 atoms, and so do neighbouring rows.
+const KEPT: usize = 256;
+
+/// The facts that were asked last: neighbouring groups show the same primitives.
+pub(super) struct Memo<'a> {
+    source: &'a dyn Facts,
+    /// By the lowest bits of the index: whose facts these are.
+    of: [u32; KEPT],
+    facts: [Fact; KEPT],
+}
+
+impl<'a> Memo<'a> {
+    #[inline(always)]
+    pub(super) fn new(source: &'a dyn Facts) -> Memo<'a> {
+        Memo { source, of: [u32::MAX; KEPT], facts: [Fact::Other; KEPT] }
+    }
+
+    /// Whose facts they are.
+    #[inline(always)]
+    pub(super) fn source(&self) -> &'a dyn Facts {
+        self.source
+    }
+
+    #[inline(always)]
+    fn fact(&mut self, index: u32) -> &Fact {
+        let at = index as usize % KEPT;
+        if self.of[at] != index {
+            (self.of[at], self.facts[at]) = (index, self.source.fact(index));
+        }
+        &self.facts[at]
+    }
+}
+
 /// Of the samples of a group, what they see.
 pub(super) struct Looks {
     /// Normals of any length.
@@ -70,9 +105,9 @@ pub(super) struct Looks {
 impl Looks {
     /// Of balls and sticks where they are hit; zero for everything else.
     #[inline(always)]
-    pub(super) fn of(source: &dyn Facts, indices: &[u32; LANES], seen: &Mask, hit: &[Lanes; 3]) -> Looks {
+    pub(super) fn of(memo: &mut Memo<'_>, indices: &[u32; LANES], seen: &Mask, hit: &[Lanes; 3]) -> Looks {
         let mut looks = Looks { normal: [[0.0; LANES]; 3], albedo: [[0.0; LANES]; 3] };
-        let (mut left, mut lane, simple) = (*seen, 0, source.simple());
+        let (mut left, mut lane, simple) = (*seen, 0, memo.source.simple());
         while lane < LANES {
             if left[lane] == 0 {
                 lane += 1;
@@ -86,9 +121,9 @@ impl Looks {
                 left[lane] &= !is_same;
             }
             if index & !RIM < simple {
-                match source.fact(index & !RIM) {
-                    Fact::Ball(center, color) => looks.add_ball(&same, hit, center, color),
-                    Fact::Stick(stick) => looks.add_stick(&same, hit, &stick),
+                match memo.fact(index & !RIM) {
+                    Fact::Ball(center, color) => looks.add_ball(&same, hit, *center, *color),
+                    Fact::Stick(stick) => looks.add_stick(&same, hit, stick),
                     Fact::Other => {}
                 }
             }

@@ -7,7 +7,7 @@
 
 use super::backdrop::Backdrop;
 use super::behind::Mask;
-use super::facts::Looks;
+use super::facts::{Looks, Memo};
 use super::lanes::{LANES, Lanes};
 use super::reach::{NOBODY, Points, Questions};
 use super::shader::Shader;
@@ -50,7 +50,7 @@ pub(super) fn add(
     tile: &Tile,
     (sums, width): (&mut [f32], usize),
 ) {
-    let blocks = GROUP / place.pass.side as usize;
+    let (blocks, mut memo) = (GROUP / place.pass.side as usize, Memo::new(source));
     for sample in 0..place.pass.per_pixel() {
         let (number, unasked) = (place.pass.sample[sample], shader.frame.unasked());
         for row in 0..width / GROUP {
@@ -64,7 +64,7 @@ pub(super) fn add(
                 if !any(&samples.seen) {
                     continue;
                 }
-                let (surfaces, mut points) = surfaces((shader, source), place, samples);
+                let (surfaces, mut points) = surfaces((shader, &mut memo), place, samples);
                 questions.ask(&mut points, number, unasked);
                 let light = light(shader, place.grid.orthographic, &surfaces, &points);
                 let seen: Lanes = surfaces.samples.seen.map(|seen| if seen != 0 { 1.0 } else { 0.0 });
@@ -90,7 +90,7 @@ pub(super) fn finish(
     tile: &Tile,
     rows: &mut [&mut [Srgb8]],
 ) {
-    let backdrop = Backdrop::new(shader, &place.grid);
+    let (backdrop, mut memo) = (Backdrop::new(shader, &place.grid), Memo::new(source));
     for line in &mut *rows {
         line.fill(backdrop.plain());
     }
@@ -104,7 +104,7 @@ pub(super) fn finish(
             let ([u, v], seen) = ([samples.u, samples.v], samples.seen);
             let mut lit = [[0.0; LANES]; 3];
             if any(&seen) {
-                let (surfaces, mut points) = surfaces((shader, source), place, samples);
+                let (surfaces, mut points) = surfaces((shader, &mut memo), place, samples);
                 points.asks = [0.0; LANES];
                 lit = light(shader, place.grid.orthographic, &surfaces, &points);
             }
@@ -164,7 +164,7 @@ fn gather(shader: &Shader<'_>, place: &Place<'_>, tile: &Tile, sample: usize, [r
 
 /// The surfaces of samples.
 #[inline(always)]
-fn surfaces((shader, source): (&Shader<'_>, &dyn Facts), place: &Place<'_>, samples: Samples) -> (Surfaces, Points) {
+fn surfaces((shader, memo): (&Shader<'_>, &mut Memo<'_>), place: &Place<'_>, samples: Samples) -> (Surfaces, Points) {
     let near = shader.frame.depth[2];
     let Samples { u, v, t, seen, index } = &samples;
     // Rays start at (u, v, 0) and run along −z, or start at the eye and run along (u, v, −1).
@@ -175,7 +175,7 @@ fn surfaces((shader, source): (&Shader<'_>, &dyn Facts), place: &Place<'_>, samp
         let aside = start + slope * depth[lane];
         (hit[0][lane], hit[1][lane], hit[2][lane]) = (u[lane] * aside, v[lane] * aside, -depth[lane]);
     }
-    let mut surfaces = Looks::of(source, index, seen, &hit);
+    let mut surfaces = Looks::of(memo, index, seen, &hit);
     for lane in 0..LANES {
         let d = Vec3::new(u[lane] * slope, v[lane] * slope, -1.0);
         let toward = -1.0 / (d.x * d.x + d.y * d.y + d.z * d.z).sqrt();
@@ -195,7 +195,7 @@ fn surfaces((shader, source): (&Shader<'_>, &dyn Facts), place: &Place<'_>, samp
         points.own[lane] = if shader.solids.see_through { NOBODY } else { index[lane] };
     }
     let albedo = &mut surfaces.albedo;
-    others((shader, source), place, &samples, &mut points, albedo);
+    others((shader, memo.source()), place, &samples, &mut points, albedo);
     (Surfaces { samples, albedo: surfaces.albedo }, points)
 }
 
