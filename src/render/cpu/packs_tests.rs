@@ -5,12 +5,12 @@ use crate::render::cpu::tiles;
 use crate::render::field::{Field, GroundMap};
 use crate::render::frame::FrameConstants;
 use crate::render::settings::Settings;
-use crate::render::test_shapes::{Random, Shape, cylinder};
+use crate::render::test_shapes::Random;
 use crate::render::{Image, Quality};
 use crate::scene::{
     Background, Camera, ConeInstance, CylinderInstance, Placement, Projection, Region, SphereInstance, TorusInstance,
 };
-use glam::{DVec3, Quat};
+use glam::Quat;
 use std::sync::atomic::AtomicBool;
 
 fn some_color(random: &mut Random) -> Srgb8 {
@@ -146,64 +146,4 @@ fn every_ball_and_stick_is_in_one_pack_and_in_its_box() {
         .fold(Aabb::EMPTY, |all, pack| all.union(Aabb { min: pack.center - pack.half, max: pack.center + pack.half }));
     let boxes: f64 = packs.iter().map(|pack| volume(pack.half)).sum();
     assert!(boxes < 4.0 * volume(whole.size() * 0.5), "{boxes}");
-}
-
-/// Whether a point is within bounds, if it can be seen at all.
-fn is_in(view: &View, point: DVec3, bounds: Option<(f32, [u16; 4])>) -> bool {
-    let (grid, depth) = (view.pixel_grid(), -point.z);
-    if depth < f64::from(view.camera.near) {
-        return true;
-    }
-    let over = 1.0 / f64::from(grid.plane_per_px) / if grid.orthographic { 1.0 } else { depth };
-    let (x, y) = (f64::from(grid.center_px[0]) + point.x * over, f64::from(grid.center_px[1]) - point.y * over);
-    if !(0.0..f64::from(view.width)).contains(&x) || !(0.0..f64::from(view.height)).contains(&y) {
-        return true;
-    }
-    let Some((nearest, [left, top, right, bottom])) = bounds else { return false };
-    let is_between = |at: f64, low: u16, high: u16| f64::from(low) <= at && at <= f64::from(high);
-    f64::from(nearest) <= depth && is_between(x, left, right) && is_between(y, top, bottom)
-}
-
-#[test]
-fn quick_bounds_hold_every_point_as_exact_ones_do() {
-    let mut random = Random(7);
-    let (mut quick_ones, mut seen) = (0, 0);
-    for number in 0..20_000 {
-        let projection = match number % 3 {
-            0 => Projection::Orthographic { height: 40.0 },
-            1 => Projection::Perspective { fov_y_rad: 0.5 },
-            _ => Projection::Perspective { fov_y_rad: 1.8 },
-        };
-        let view = View::new(camera(Vec3::ZERO, Vec3::NEG_Z, projection), 640, 480);
-        let framing = Framing::new(&view);
-        let distance = random.log_between(1.0, 3000.0);
-        // So that parallel rays meet it, too.
-        let angle = if number % 3 == 0 { 15.0 / distance.max(15.0) } else { 1.2 };
-        let center = random.in_view(distance, angle);
-        let sphere = Sphere { center: center.as_vec3(), radius: random.log_between(0.01, 3.0) as f32 };
-        let caps = [random.below(3), random.below(3)];
-        let (axis, length) = (random.direction(), random.log_between(0.2, 4.0));
-        let cylinder = cylinder(center, axis, length, f64::from(sphere.radius) * 0.5, caps).unwrap();
-        let reach = cylinder.half_length + cylinder.radius;
-        let bounds = |candidate: Option<Candidate>| candidate.map(|candidate| (candidate.nearest, candidate.pixels));
-        let [exact, quick] = [framing.sphere(0, &sphere), framing.quick_sphere(0, &sphere)].map(bounds);
-        let [exact_stick, quick_stick] =
-            [framing.cylinder(0, &cylinder), framing.quick_cylinder(0, &cylinder)].map(bounds);
-        let around = framing.around(cylinder.center, reach * REACH_SLACK);
-        quick_ones += u32::from(exact != quick) + u32::from(exact_stick != quick_stick);
-        seen += u32::from(exact.is_some());
-        let (ball, stick) = (Shape::sphere(&sphere), Shape::cylinder(&cylinder));
-        for _ in 0..24 {
-            let point = ball.point(&mut random, true);
-            assert!(
-                is_in(&view, point, exact) && is_in(&view, point, quick),
-                "{sphere:?}: {point}, {exact:?}, {quick:?}"
-            );
-            let point = stick.point(&mut random, true);
-            assert!(is_in(&view, point, exact_stick), "{cylinder:?}: {point}, {exact_stick:?}");
-            assert!(is_in(&view, point, quick_stick), "{cylinder:?}: {point}, {quick_stick:?}");
-            assert!(is_in(&view, point, around), "{cylinder:?}: {point}, {around:?}");
-        }
-    }
-    assert!(quick_ones > 1000 && seen > 5000, "{quick_ones}, {seen}");
 }

@@ -16,7 +16,7 @@ use crate::render::solids::{Cylinder, Sphere};
 use crate::scene::CylinderInstance;
 use glam::{Affine3A, Vec2, Vec3};
 
-/// Pixels of the rectangle around a thing that is drawn pixel by pixel, at most. Found by measuring at 10,000 to 1,000,000 atoms.
+/// Pixels of the rectangle around a thing that is drawn pixel by pixel, at most. Chosen, other numbers were not tried.
 const FEW: u32 = 24;
 
 /// Pixels by which bounds are wider, for the rounding of the way here.
@@ -350,3 +350,7 @@ pub(super) fn draw_sticks<const PARALLEL: bool>(
         }
     }
 }
+
+#[cfg(test)]
+#[path = "small_tests.rs"]
+mod tests;
