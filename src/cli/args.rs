@@ -1,5 +1,6 @@
 //! The command line, as it is typed. Nothing here acts; names and defaults are what others script against.
 
+use super::assembly::AssemblyArgs;
 use super::atoms::{AtomArgs, ShowArgs};
 use super::size::{Crop, PictureSize};
 use super::values::{
@@ -357,6 +358,9 @@ pub struct CrystalArgs {
     /// Cells along a, b and c, such as 2x2x1; whole cells, unless --cell asym is given
     #[arg(long, value_name = "AxBxC", default_value = "1x1x1", help_heading = "Crystal")]
     pub supercell: Supercell,
+    /// Assembly.
+    #[command(flatten)]
+    pub assembly: AssemblyArgs,
     /// Draw the edges of the unit cell (the default where cells are drawn and not single molecules)
     #[arg(long, overrides_with = "no_cell_box", help_heading = "Crystal")]
     pub cell_box: bool,
@@ -428,6 +432,9 @@ pub struct ConvertArgs {
     /// Atoms.
     #[command(flatten)]
     pub shown: ShowArgs,
+    /// Assembly.
+    #[command(flatten)]
+    pub assembly: AssemblyArgs,
     /// Bonds.
     #[command(flatten)]
     pub bonds: BondArgs,
@@ -656,6 +663,7 @@ mod tests {
             "--altloc=B",
             "--cell=full",
             "--supercell=2x2x1",
+            "--assembly=PAU",
             "--bonds-per-frame=never",
             "--haptic",
             "--label=element,index",

@@ -6,6 +6,7 @@
 
 mod animate;
 pub mod args;
+pub mod assembly;
 pub mod atoms;
 mod convert;
 mod devices;

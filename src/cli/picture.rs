@@ -232,8 +232,8 @@ fn one_picture(
         encode: written.encode,
         total: started.elapsed().as_secs_f64(),
         peak_memory: peak_memory(),
-        atom_count: drawn.iter().map(|drawn| drawn.structure.atom_count()).sum(),
-        bond_count: drawn.iter().map(|drawn| drawn.structure.bonds().len()).sum(),
+        atom_count: drawn.iter().map(|drawn| drawn.counts()[0]).sum(),
+        bond_count: drawn.iter().map(|drawn| drawn.counts()[1]).sum(),
         renderer: &draw.renderer(),
     };
     if args.timings {

@@ -463,6 +463,7 @@ impl StructureBuilder {
             frames,
             secondary: self.secondary,
             symmetry: self.symmetry,
+            assemblies: Vec::new(),
             components: self.components,
             properties: self.properties,
         }

@@ -5,6 +5,7 @@
 //! charges in units of the elementary charge. Columns a file does not have are empty and their accessors
 //! give the stated default, so that an XYZ file does not pay for what only PDB files have.
 
+mod assembly;
 mod bond;
 mod builder;
 mod by_atom;
@@ -19,6 +20,7 @@ mod positions;
 mod subset;
 mod symmetry;
 
+pub use assembly::{Assembly, AssemblyPart, is_rigid};
 pub use bond::{Bond, BondKind, BondOrder, BondSource, StatedBonds};
 pub(crate) use builder::AtomColumns;
 pub use builder::{AtomRecord, StructureBuilder};
@@ -147,6 +149,7 @@ pub struct Structure {
     pub(crate) frames: Vec<Frame>,
     pub(crate) secondary: Vec<SecondaryElement>,
     pub(crate) symmetry: Option<Symmetry>,
+    pub(crate) assemblies: Vec<Assembly>,
     pub(crate) components: Vec<ComponentBonds>,
     pub(crate) properties: Vec<(String, String)>,
 }
@@ -430,6 +433,7 @@ impl Structure {
             frames: vec![frame],
             secondary: self.secondary.clone(),
             symmetry: self.symmetry.clone(),
+            assemblies: self.assemblies.clone(),
             components: self.components.clone(),
             properties: self.properties.clone(),
         }

@@ -8,9 +8,10 @@ use crate::app::picking;
 use crate::app::state::State;
 use crate::bonds::BondMode;
 use crate::color::Srgb8;
-use crate::crystal::{BondsPerFrame, CellChoice};
+use crate::crystal::{AssemblyId, BondsPerFrame, CellChoice};
 use crate::render::Quality;
 use crate::scene::{Aromatic, Background, ColorBy, LabelContent, Look, Style};
+use crate::structure::Structure;
 use egui::{RichText, ScrollArea, Ui};
 
 /// Width of the panel, points.
@@ -277,6 +278,10 @@ fn crystal(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     };
     let cells = CellChoice::ALL.map(|cell| (cell, says(cell).to_owned()));
     choice(ui, "Content", &cells, crystal.cell, Action::Cell, actions);
+    let known = assemblies(state);
+    if known.len() > 1 {
+        choice(ui, "Assembly", &known, crystal.assembly, Action::Assembly, actions);
+    }
     row(ui, "Cells", |ui| {
         let mut counts = crystal.supercell;
         for (count, axis) in counts.iter_mut().zip(["a", "b", "c"]) {
@@ -294,6 +299,33 @@ fn crystal(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     switch(ui, "Edges of the cell", on, |on| Action::CellBox(Some(on)), actions);
 }
 
+/// None, and the assemblies of the files in words, each id once; with the one that is asked for, even if no file has it.
+fn assemblies(state: &State) -> Vec<(Option<AssemblyId>, String)> {
+    let mut known = vec![(None, "None".to_owned())];
+    let structures = state.work.layers.iter().filter_map(|layer| layer.document.records.first());
+    for assembly in structures.flat_map(Structure::assemblies) {
+        let id = AssemblyId::new(&assembly.id);
+        if id.is_some() && !known.iter().any(|(other, _)| *other == id) {
+            known.push((id, format!("{}: {}", assembly.id, copies_in_words(assembly.operations.len()))));
+        }
+        if known.len() > MOST_ASSEMBLIES {
+            break;
+        }
+    }
+    let asked = state.work.crystal.assembly;
+    if let Some(id) = asked.filter(|_| !known.iter().any(|(other, _)| *other == asked)) {
+        known.push((asked, format!("{id}: in no file")));
+    }
+    known
+}
+
+fn copies_in_words(count: usize) -> String {
+    if count == 1 { "1 copy".to_owned() } else { format!("{count} copies") }
+}
+
+/// Assemblies that a list offers (chosen: viruses have about ten).
+const MOST_ASSEMBLIES: usize = 50;
+
 /// Picked atoms that are listed.
 const MOST_LISTED: usize = 6;
 
@@ -308,8 +340,8 @@ fn picked(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         ui.label(RichText::new(text).weak());
     }
     for key in picked.iter().take(MOST_LISTED) {
-        if let Some(drawn) = picking::drawn(state, key.layer) {
-            ui.label(picking::short_name(&drawn.structure, key.atom as usize));
+        if let Some(name) = picking::name_of(state, *key) {
+            ui.label(name);
         }
     }
     if picked.len() > MOST_LISTED {
@@ -338,11 +370,7 @@ fn picked(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     for (index, atoms) in state.work.measurements.iter().enumerate() {
         ui.horizontal(|ui| {
             let value = picking::measure(state, atoms).unwrap_or_else(|| "–".to_owned());
-            let names: Vec<String> = (atoms.iter())
-                .filter_map(|key| {
-                    Some(picking::short_name(&picking::drawn(state, key.layer)?.structure, key.atom as usize))
-                })
-                .collect();
+            let names: Vec<String> = atoms.iter().filter_map(|&key| picking::name_of(state, key)).collect();
             ui.label(RichText::new(&value).strong()).on_hover_text(names.join(" – "));
             if ui.small_button("×").on_hover_text("Forget it").labelled(&format!("Forget {value}")).clicked() {
                 actions.push(Action::ForgetMeasurement(index));
