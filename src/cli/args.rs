@@ -2,6 +2,7 @@
 
 use super::assembly::AssemblyArgs;
 use super::atoms::{AtomArgs, ShowArgs};
+use super::batch::BatchArgs;
 use super::size::{Crop, PictureSize};
 use super::values::{
     Altloc, Axis, Backdrop, Direction, MeasureArg, RecordChoice, Region, Supercell, blur, color, counted_from_1, fog,
@@ -100,8 +101,8 @@ Channels (--channel) as 16-bit PNG, or as plain numbers in NPY (-o depth.npy):
           NPY: f4 (h,w)
 
 Timings (--timings), one JSON object a picture: seconds for read, bonds, scene, render, encode
-and total; peak_memory in bytes (null where the system does not tell); atom_count, bond_count,
-renderer and output.";
+and total; peak_memory, structure_memory and scene_memory in bytes (the first null where the system
+does not tell); atom_count, bond_count, renderer and output.";
 
 /// `ballstick render`.
 #[derive(Debug, Clone, Args)]
@@ -176,6 +177,9 @@ pub struct RenderArgs {
     /// Renderer.
     #[command(flatten)]
     pub renderer: RendererArgs,
+    /// Batch.
+    #[command(flatten)]
+    pub batch: BatchArgs,
     /// Print timings as JSON on standard error, see below
     #[arg(long, help_heading = "Running")]
     pub timings: bool,
@@ -660,6 +664,8 @@ mod tests {
             "--dpi=600",
             "--quality=high",
             "--timings",
+            "--skip-existing",
+            "--shard=2/8",
             "--altloc=B",
             "--cell=full",
             "--supercell=2x2x1",

@@ -25,9 +25,9 @@ pub struct Wish(pub Option<AssemblyId>);
 fn wish(text: &str) -> Result<Wish, String> {
     match text {
         "none" => Ok(Wish(None)),
-        id => AssemblyId::new(id)
-            .map(|id| Wish(Some(id)))
-            .ok_or_else(|| format!("expected the id of an assembly, such as 1, of at most {} letters", AssemblyId::MOST)),
+        id => AssemblyId::new(id).map(|id| Wish(Some(id))).ok_or_else(|| {
+            format!("expected the id of an assembly, such as 1, of at most {} letters", AssemblyId::MOST)
+        }),
     }
 }
 

@@ -8,6 +8,7 @@ mod animate;
 pub mod args;
 pub mod assembly;
 pub mod atoms;
+pub mod batch;
 mod convert;
 mod devices;
 mod explain;

@@ -1,7 +1,7 @@
 //! What stands several times in a picture without being copied: assemblies, and the cells of a supercell that no bond leaves.
 
 use crate::structure::{Assembly, Bond};
-use glam::{DAffine3, DVec3, IVec3};
+use glam::{BVec3, DAffine3, DVec3, IVec3};
 
 /// The name of an assembly, short enough to be part of options that are copied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -91,6 +91,20 @@ impl Copies {
             return set(a).to_vec();
         }
         set(a).iter().copied().filter(|operation| set(b).binary_search(operation).is_ok()).collect()
+    }
+
+    /// A box around all copies of a box: never too small.
+    #[must_use]
+    pub fn extent(&self, [low, high]: [DVec3; 2]) -> [DVec3; 2] {
+        let mut all = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        for operation in &self.operations {
+            for corner in 0..8u8 {
+                let is_high = BVec3::new(corner & 1 != 0, corner & 2 != 0, corner & 4 != 0);
+                let there = operation.transform_point3(DVec3::select(is_high, high, low));
+                all = [all[0].min(there), all[1].max(there)];
+            }
+        }
+        all
     }
 
     /// How often each atom stands there, all atoms together.

@@ -162,6 +162,19 @@ impl Drawn {
         Some(copies.map_or(point, |copies| copies.operations[copy as usize].transform_point3(point)))
     }
 
+    /// A box around all atoms in the picture, in the coordinates of the file; the low corner is above the high one if there are none.
+    #[must_use]
+    pub fn extent(&self) -> [DVec3; 2] {
+        let positions = self.structure.positions();
+        let ends = (0..positions.len())
+            .map(|atom| positions.get(atom))
+            .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)]);
+        match &self.copies {
+            Some(copies) if !positions.is_empty() => copies.extent(ends),
+            _ => ends,
+        }
+    }
+
     /// Atoms and bonds in the picture, all copies counted.
     #[must_use]
     pub fn counts(&self) -> [usize; 2] {

@@ -3,8 +3,8 @@
 use super::aromatic::Aromatic;
 use super::axes::{self, Axes};
 use super::chosen::{self, BySelection, Chosen};
-use super::copies::{self, ItemIds};
 use super::coloring::ColorBy;
+use super::copies::{self, ItemIds};
 use super::light::{Background, DepthOfField, Ground, LightFrame, Lighting};
 use super::look::Look;
 use super::measure::{self, Measurement};
@@ -442,7 +442,7 @@ fn common_center(items: &[Item<'_>]) -> DVec3 {
         if !bounds.is_empty() {
             let mut own = [bounds.min, bounds.max].map(|corner| corner.as_dvec3() + positions.origin());
             if let Some(copies) = item.copies {
-                own = copies::bounds_of_copies(own, copies);
+                own = copies.extent(own);
             }
             low = low.min(own[0] + item.offset.as_dvec3());
             high = high.max(own[1] + item.offset.as_dvec3());

@@ -3,7 +3,7 @@
 use super::{Block, Placement};
 use crate::crystal::Copies;
 use crate::structure::Structure;
-use glam::{Affine3A, BVec3, DAffine3, DVec3};
+use glam::{Affine3A, DAffine3, DVec3};
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -110,20 +110,6 @@ pub(super) fn world_from_block(operation: &DAffine3, origin: DVec3, shift: DVec3
     Affine3A::from_mat3_translation(operation.matrix3.as_mat3(), translation.as_vec3())
 }
 
-/// The box around points in all copies, as seen from its corners: never too small.
-pub(super) fn bounds_of_copies([low, high]: [DVec3; 2], copies: &Copies) -> [DVec3; 2] {
-    let mut all = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-    for operation in &copies.operations {
-        for corner in 0..8u8 {
-            let pick = |axis: u8| corner >> axis & 1 == 1;
-            let corner = DVec3::select(BVec3::new(pick(0), pick(1), pick(2)), high, low);
-            let there = operation.transform_point3(corner);
-            all = [all[0].min(there), all[1].max(there)];
-        }
-    }
-    all
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -144,7 +130,8 @@ mod tests {
         }
         let structure = builder.build(&mut Diagnostics::default());
         let shift = DAffine3::from_translation(DVec3::new(0.0, 7.0, 0.0));
-        let mirror = DAffine3 { matrix3: DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0)), translation: DVec3::Z * 10.0 };
+        let mirror =
+            DAffine3 { matrix3: DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0)), translation: DVec3::Z * 10.0 };
         let mut assembly = Assembly::new("1", "");
         assembly.push(vec![0..2], &[DAffine3::IDENTITY, shift, mirror]);
         assembly.push(vec![2..3], &[DAffine3::IDENTITY, mirror]);
@@ -173,7 +160,8 @@ mod tests {
         assert!((ball(0, 4).unwrap().distance(c) - 7.0).abs() < 1e-3);
         assert_eq!((ball(0, 6), ball(0, 3), ball(0, 12)), (None, None, None));
         let [c3, o3, n3] = [8, 9, 10].map(|atom| ball(0, atom).unwrap());
-        for (one, other) in [(c.distance(o), c3.distance(o3)), (o.distance(n), o3.distance(n3)), (9.5, c.distance(c3))] {
+        for (one, other) in [(c.distance(o), c3.distance(o3)), (o.distance(n), o3.distance(n3)), (9.5, c.distance(c3))]
+        {
             assert!((one - other).abs() < 1e-3, "{one} {other}");
         }
         // The second item stands where the first copy does.
@@ -181,7 +169,32 @@ mod tests {
         let all = scene.world_spheres().fold(crate::math::Aabb::EMPTY, |all, (center, radius)| {
             all.union(crate::math::Aabb::of_sphere(center, radius))
         });
-        assert!((scene.bounds().min - all.min).abs().max_element() < 1e-4 && scene.bounds().max.distance(all.max) < 1e-4);
+        assert!(
+            (scene.bounds().min - all.min).abs().max_element() < 1e-4 && scene.bounds().max.distance(all.max) < 1e-4
+        );
+    }
+
+    #[test]
+    fn copies_cost_a_placement_each_and_a_ball_with_its_stick_72_bytes() {
+        let mut builder = StructureBuilder::new();
+        const COUNT: u32 = 20_000;
+        for number in 0..COUNT {
+            let position = DVec3::new(f64::from(number) * 1.5, 0.0, 0.0);
+            builder.push_atom(&AtomRecord { element: Element::C, position, ..AtomRecord::default() });
+        }
+        for atom in 1..COUNT {
+            builder.push_bond(Bond::new(atom - 1, atom, BondOrder::Single, BondSource::File));
+        }
+        let structure = builder.build(&mut Diagnostics::default());
+        let one = Scene::new(&[Item::of(&structure)], &SceneOptions::default());
+        let mut assembly = Assembly::new("1", "");
+        let turns: Vec<DAffine3> = (0..60).map(|n| DAffine3::from_rotation_x(f64::from(n) * 0.1)).collect();
+        assembly.push(vec![0..COUNT], &turns);
+        let copies = Copies::of_assembly(&assembly, COUNT as usize);
+        let sixty = Scene::new(&[Item { copies: Some(&copies), ..Item::of(&structure) }], &SceneOptions::default());
+        assert_eq!(sixty.sphere_count(), 60 * COUNT as usize);
+        assert!(one.memory() <= 72 * COUNT as usize + 1000, "{}", one.memory());
+        assert!(sixty.memory() <= one.memory() + 64 * 200, "{} {}", sixty.memory(), one.memory());
     }
 
     #[test]

@@ -161,6 +161,19 @@ impl Scene {
         self.bounds
     }
 
+    /// Bytes that its primitives and placements have set aside: 24 a ball, 48 a stick, each once however often it is placed.
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        let block = |block: &Block| {
+            block.spheres.capacity() * size_of::<SphereInstance>()
+                + block.cylinders.capacity() * size_of::<CylinderInstance>()
+                + block.cones.capacity() * size_of::<ConeInstance>()
+                + block.tori.capacity() * size_of::<TorusInstance>()
+                + block.triangles.capacity() * size_of::<TriangleInstance>()
+        };
+        self.blocks.iter().map(block).sum::<usize>() + self.placements.capacity() * size_of::<Placement>()
+    }
+
     /// Number of spheres drawn, over all placements.
     #[must_use]
     pub fn sphere_count(&self) -> usize {

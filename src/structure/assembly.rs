@@ -138,7 +138,9 @@ impl Assembly {
 pub fn is_rigid(operation: &DAffine3) -> bool {
     let matrix = operation.matrix3;
     let unity = matrix.transpose() * matrix;
-    operation.is_finite() && unity.abs_diff_eq(DMat3::IDENTITY, RIGID) && operation.translation.abs().max_element() < 1e6
+    operation.is_finite()
+        && unity.abs_diff_eq(DMat3::IDENTITY, RIGID)
+        && operation.translation.abs().max_element() < 1e6
 }
 
 impl Structure {

@@ -14,6 +14,7 @@ mod component;
 mod diagnostic;
 mod expand;
 mod gather;
+mod memory;
 mod mesh;
 mod names;
 mod positions;

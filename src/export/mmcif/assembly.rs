@@ -50,7 +50,8 @@ fn parts<'r>(
             }
         }
         // In a list they stand between commas.
-        let is_whole = |chain: &&str| found.get(chain) == counts.get(chain) && !chain.is_empty() && !chain.contains(',');
+        let is_whole =
+            |chain: &&str| found.get(chain) == counts.get(chain) && !chain.is_empty() && !chain.contains(',');
         order.iter().all(is_whole).then_some(order)
     };
     assembly.parts.iter().map(|part| of_part(&part.atoms)).collect()

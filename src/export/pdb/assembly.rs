@@ -80,8 +80,7 @@ pub(super) fn write(structure: &Structure, out: &mut dyn Write) -> io::Result<()
             // As many as fit into 80 columns with a comma and a blank each.
             let lines = names.chunks(9).count();
             for (line, names) in names.chunks(9).enumerate() {
-                let head =
-                    if line == 0 { "APPLY THE FOLLOWING TO CHAINS:" } else { "                   AND CHAINS:" };
+                let head = if line == 0 { "APPLY THE FOLLOWING TO CHAINS:" } else { "                   AND CHAINS:" };
                 let comma = if line + 1 < lines { "," } else { "" };
                 writeln!(out, "REMARK 350 {head} {}{comma}", names.join(", "))?;
             }
@@ -90,7 +89,8 @@ pub(super) fn write(structure: &Structure, out: &mut dyn Write) -> io::Result<()
                 number += 1;
                 for row in 0..3 {
                     // Without the sign of what rounds to zero.
-                    let [x, y, z] = operation.matrix3.row(row).map(|factor| (factor * 1e6).round() / 1e6 + 0.0).to_array();
+                    let [x, y, z] =
+                        operation.matrix3.row(row).map(|factor| (factor * 1e6).round() / 1e6 + 0.0).to_array();
                     let shift = (operation.translation[row] * 1e5).round() / 1e5 + 0.0;
                     writeln!(out, "REMARK 350   BIOMT{}{number:>4}{x:10.6}{y:10.6}{z:10.6}{shift:15.5}", row + 1)?;
                 }
@@ -113,7 +113,11 @@ mod tests {
         }
         let mut structure = builder.build(&mut Diagnostics::default());
         let turn = DAffine3 {
-            matrix3: DMat3::from_cols(DVec3::new(0.309017, 0.951057, 0.0), DVec3::new(-0.951057, 0.309017, 0.0), DVec3::Z),
+            matrix3: DMat3::from_cols(
+                DVec3::new(0.309017, 0.951057, 0.0),
+                DVec3::new(-0.951057, 0.309017, 0.0),
+                DVec3::Z,
+            ),
             translation: DVec3::new(12.5, -3.25, 0.12345),
         };
         let mut first = Assembly::new("1", "");

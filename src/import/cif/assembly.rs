@@ -48,8 +48,7 @@ pub(super) fn read(block: &impl Block, diagnostics: &mut Diagnostics) -> Vec<Sta
         stated.iter().enumerate().map(|(index, one)| (one.id.clone(), index)).collect();
     let mut is_spoilt: HashSet<usize> = HashSet::new();
     let (mut room, mut chain_room) = (MAX_OPERATIONS, MAX_CHAINS);
-    let [id, expression, chains] =
-        ["assembly_id", "oper_expression", "asym_id_list"].map(|item| table.column(item));
+    let [id, expression, chains] = ["assembly_id", "oper_expression", "asym_id_list"].map(|item| table.column(item));
     for index in 0..table.row_count() {
         let row = table.row(index);
         let line = row.line().unwrap_or(0);
@@ -118,10 +117,11 @@ fn operations(block: &impl Block, odd: &mut Repeated) -> HashMap<String, DAffine
             Some(DVec3::new(x?, y?, z?))
         };
         let [x, y, z] = columns.map(vector);
-        let motion = x.zip(y).zip(z).zip(vector(shift)).map(|(((x, y), z), shift)| DAffine3 {
-            matrix3: DMat3::from_cols(x, y, z),
-            translation: shift,
-        });
+        let motion = x
+            .zip(y)
+            .zip(z)
+            .zip(vector(shift))
+            .map(|(((x, y), z), shift)| DAffine3 { matrix3: DMat3::from_cols(x, y, z), translation: shift });
         match motion.filter(is_rigid) {
             Some(motion) if operations.len() < MAX_OPERATIONS => {
                 operations.entry(id.into_owned()).or_insert(motion);
@@ -189,9 +189,9 @@ fn names(list: &str, known: &HashMap<String, DAffine3>, room: usize) -> Option<R
         if part.is_empty() || part.contains(['(', ')']) {
             return None;
         }
-        let range = part.split_once('-').and_then(|(first, last)| {
-            Some((first.trim().parse::<u32>().ok()?, last.trim().parse::<u32>().ok()?))
-        });
+        let range = part
+            .split_once('-')
+            .and_then(|(first, last)| Some((first.trim().parse::<u32>().ok()?, last.trim().parse::<u32>().ok()?)));
         let outcome = match range {
             // A name with a dash is a name where there is one.
             Some((first, last)) if !known.contains_key(part) => {

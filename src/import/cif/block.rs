@@ -121,7 +121,8 @@ impl Around {
         let cost = self.secondary.len() + bonds + self.links.len() + operations + assemblies;
         if cost > self.copies {
             self.missing.note(0, || {
-                "too many differing models: bonds, helices, symmetry and assemblies of the later ones are left out".to_owned()
+                "too many differing models: bonds, helices, symmetry and assemblies of the later ones are left out"
+                    .to_owned()
             });
             return structure;
         }

@@ -243,8 +243,7 @@ mod tests {
         let head = ["BIOMOLECULE: 1", "AUTHOR DETERMINED BIOLOGICAL UNIT: DIMERIC", apply, and];
         let second = ["BIOMOLECULE: 2", "APPLY THE FOLLOWING TO CHAINS: B"];
         let third = ["APPLY THE FOLLOWING TO CHAINS: A"];
-        let lines =
-            [&head[..], &IDENTITY, &TURN, &second, &IDENTITY, &third, &TURN].concat();
+        let lines = [&head[..], &IDENTITY, &TURN, &second, &IDENTITY, &third, &TURN].concat();
         let document = read(&lines);
         let structure = &document.records[0];
         let [one, two] = structure.assemblies() else { panic!("{:?}", structure.assemblies()) };
@@ -280,6 +279,10 @@ mod tests {
     fn a_remark_without_a_number_is_assembly_1() {
         let document = read(&[&["APPLY THE FOLLOWING TO CHAINS: A, B"][..], &IDENTITY].concat());
         assert_eq!(document.records[0].assembly("1").map(|one| one.atom_count(3)), Some(3));
-        assert!(read(&["GENERATING THE BIOMOLECULE", "COORDINATES FOR A COMPLETE MULTIMER"]).records[0].assemblies().is_empty());
+        assert!(
+            read(&["GENERATING THE BIOMOLECULE", "COORDINATES FOR A COMPLETE MULTIMER"]).records[0]
+                .assemblies()
+                .is_empty()
+        );
     }
 }
