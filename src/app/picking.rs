@@ -190,8 +190,8 @@ pub(super) fn short_name(structure: &Structure, atom: usize) -> String {
 const MOST_BONDS: usize = 8;
 
 /// What there is to say of an atom: a heading, and facts by name.
-pub(super) fn about_atom(drawn: &Drawn, key: AtomKey) -> Option<(String, Vec<(String, String)>)> {
-    let (copy, atom) = drawn.own_atom(key.atom)?;
+pub(super) fn about_atom(drawn: &Drawn, atom: u32) -> Option<(String, Vec<(String, String)>)> {
+    let (place, (copy, atom)) = (drawn.position(atom)?, drawn.own_atom(atom)?);
     let structure = &drawn.structure;
     let mut facts = Vec::new();
     let mut fact = |name: &str, value: String| facts.push((name.to_owned(), value));
@@ -223,8 +223,7 @@ pub(super) fn about_atom(drawn: &Drawn, key: AtomKey) -> Option<(String, Vec<(St
     if let Some(copies) = &drawn.copies {
         fact("Copy", format!("{} of {}", copy + 1, copies.operations.len()));
     }
-    let p = drawn.position(key.atom)?;
-    fact("Position", format!("{:.3}  {:.3}  {:.3} Å", p.x, p.y, p.z));
+    fact("Position", format!("{:.3}  {:.3}  {:.3} Å", place.x, place.y, place.z));
     if structure.altloc(atom) != b' ' {
         let altloc = char::from(structure.altloc(atom));
         fact("Location", format!("{altloc}, occupancy {:.2}", structure.occupancy(atom)));

@@ -71,7 +71,7 @@ pub(super) fn run(
         return Err("--depth-of-field needs --projection perspective: parallel rays have no focus".to_owned());
     }
     let mut plan = plan::outputs(&args.files, &args.output, name)?;
-    super::batch::choose(&mut plan, args.batch, &args.look.overlay, plan.is_each)?;
+    super::batch::choose(&mut plan, args.batch, &args.look.overlay)?;
     if args.look.backdrop().0.is_none() {
         if !format.holds_alpha() {
             report.warn(&args.output, &format!("{name} cannot be transparent; the background is white"));

@@ -67,9 +67,9 @@ pub(super) struct Tally {
 }
 
 /// Leaves only what is to be made here in the plan, and says how many are skipped. An error is one of usage.
-pub(super) fn choose(plan: &mut Plan, args: BatchArgs, also: &[PathBuf], is_each: bool) -> Result<usize, String> {
+pub(super) fn choose(plan: &mut Plan, args: BatchArgs, also: &[PathBuf]) -> Result<usize, String> {
     if let Some(Shard { index, count }) = args.shard {
-        if !is_each {
+        if !plan.is_each {
             return Err("--shard needs one picture of each FILE: -o a folder, or a name with {stem}".to_owned());
         }
         let mut place = 0;
@@ -283,7 +283,7 @@ mod tests {
         for share in 1..=3 {
             let (mut plan, _) = plan::plan(&files(10), Path::new("o/"), None).unwrap();
             let args = BatchArgs { shard: Some(format!("{share}/3").parse().unwrap()), ..BatchArgs::default() };
-            assert_eq!(choose(&mut plan, args, &[], true), Ok(0));
+            assert_eq!(choose(&mut plan, args, &[]), Ok(0));
             assert_eq!(plan.pictures[0].output, Path::new("o").join(format!("{share}.png")));
             all.extend(plan.pictures.into_iter().map(|picture| picture.output));
         }
@@ -295,7 +295,7 @@ mod tests {
         }
         let (mut plan, _) = plan::plan(&files(2), Path::new("o.png"), None).unwrap();
         let args = BatchArgs { shard: "1/2".parse().ok(), ..BatchArgs::default() };
-        assert!(choose(&mut plan, args, &[], false).unwrap_err().contains("--shard"));
+        assert!(choose(&mut plan, args, &[]).unwrap_err().contains("--shard"));
     }
 
     #[test]
@@ -319,7 +319,7 @@ mod tests {
         let names: Vec<PathBuf> = ["whole", "cut", "old", "missing", "gone"].map(|n| path(&format!("{n}.xyz"))).into();
         let left = |also: &[PathBuf]| {
             let (mut plan, _) = plan::plan(&names, folder.path(), None).unwrap();
-            let skipped = choose(&mut plan, BatchArgs { skip_existing: true, shard: None }, also, true).unwrap();
+            let skipped = choose(&mut plan, BatchArgs { skip_existing: true, shard: None }, also).unwrap();
             (skipped, plan.pictures.len())
         };
         assert_eq!(left(&[]), (1, 4));

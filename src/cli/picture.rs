@@ -130,7 +130,7 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
         let name = format.extensions()[0];
         report.warn(&args.output, &format!("{name} cannot be transparent; the background is white"));
     }
-    let skipped = batch::choose(&mut plan, args.batch, &args.look.overlay, plan.is_each)?;
+    let skipped = batch::choose(&mut plan, args.batch, &args.look.overlay)?;
     report.start(plan.pictures.len());
     let (report, pixels) = (&*report, u64::from(size.width) * u64::from(size.height));
     let make = |picture: &Picture, report: &Report, draw: &mut dyn Draw| {

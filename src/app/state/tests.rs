@@ -186,7 +186,7 @@ fn two_atoms_are_measured_as_in_the_file_and_marked_in_the_scene() {
 #[test]
 fn what_is_under_a_point_is_told_with_its_bonds() {
     let state = opened(&["1crn.pdb"]);
-    let (heading, facts) = picking::about_atom(&state.built.drawn[0].1, 1);
+    let (heading, facts) = picking::about_atom(&state.built.drawn[0].1, 1).unwrap();
     let fact =
         |name: &str| facts.iter().filter(|(n, _)| n == name).map(|(_, value)| value.as_str()).collect::<Vec<_>>();
     assert_eq!(heading, "Carbon C");

@@ -3,15 +3,15 @@
 use super::parts::{button, choice, heading, named, row, switch, switches};
 use super::{Memory, atoms, selecting, sequence};
 use crate::app::action::Action;
+use crate::app::assemblies;
 use crate::app::commands::capital;
 use crate::app::picking;
 use crate::app::state::State;
 use crate::bonds::BondMode;
 use crate::color::Srgb8;
-use crate::crystal::{AssemblyId, BondsPerFrame, CellChoice};
+use crate::crystal::{BondsPerFrame, CellChoice};
 use crate::render::Quality;
 use crate::scene::{Aromatic, Background, ColorBy, LabelContent, Look, Style};
-use crate::structure::Structure;
 use egui::{RichText, ScrollArea, Ui};
 
 /// Width of the panel, points.
@@ -278,7 +278,7 @@ fn crystal(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     };
     let cells = CellChoice::ALL.map(|cell| (cell, says(cell).to_owned()));
     choice(ui, "Content", &cells, crystal.cell, Action::Cell, actions);
-    let known = assemblies(state);
+    let known = assemblies::known(state);
     if known.len() > 1 {
         choice(ui, "Assembly", &known, crystal.assembly, Action::Assembly, actions);
     }
@@ -298,33 +298,6 @@ fn crystal(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let on = state.work.cell_box.unwrap_or(is_automatic);
     switch(ui, "Edges of the cell", on, |on| Action::CellBox(Some(on)), actions);
 }
-
-/// None, and the assemblies of the files in words, each id once; with the one that is asked for, even if no file has it.
-fn assemblies(state: &State) -> Vec<(Option<AssemblyId>, String)> {
-    let mut known = vec![(None, "None".to_owned())];
-    let structures = state.work.layers.iter().filter_map(|layer| layer.document.records.first());
-    for assembly in structures.flat_map(Structure::assemblies) {
-        let id = AssemblyId::new(&assembly.id);
-        if id.is_some() && !known.iter().any(|(other, _)| *other == id) {
-            known.push((id, format!("{}: {}", assembly.id, copies_in_words(assembly.operations.len()))));
-        }
-        if known.len() > MOST_ASSEMBLIES {
-            break;
-        }
-    }
-    let asked = state.work.crystal.assembly;
-    if let Some(id) = asked.filter(|_| !known.iter().any(|(other, _)| *other == asked)) {
-        known.push((asked, format!("{id}: in no file")));
-    }
-    known
-}
-
-fn copies_in_words(count: usize) -> String {
-    if count == 1 { "1 copy".to_owned() } else { format!("{count} copies") }
-}
-
-/// Assemblies that a list offers (chosen: viruses have about ten).
-const MOST_ASSEMBLIES: usize = 50;
 
 /// Picked atoms that are listed.
 const MOST_LISTED: usize = 6;
