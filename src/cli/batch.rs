@@ -23,6 +23,9 @@ const LARGE_PACKED_BYTES: u64 = LARGE_BYTES / 4;
 /// Pixels of a picture from which on all cores draw it together: those of a 4K screen. Chosen: 16 samples of as many take a core seconds.
 const LARGE_PIXELS: u64 = 3840 * 2160;
 
+/// Stack of a thread that draws alone: what the first thread of a program usually has.
+const STACK_BYTES: usize = 8 << 20;
+
 /// Which of many pictures are made.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub struct BatchArgs {
@@ -230,7 +233,8 @@ impl Batch<'_> {
         let next = AtomicUsize::new(0);
         let work = || {
             // What is shared out inside of a picture stays on this thread.
-            let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(1).build() else { return };
+            let builder = rayon::ThreadPoolBuilder::new().num_threads(1).stack_size(STACK_BYTES);
+            let Ok(pool) = builder.build() else { return };
             pool.install(|| {
                 let mut draw = new();
                 while let Some(picture) = pictures.get(next.fetch_add(1, Ordering::Relaxed)) {

@@ -377,6 +377,7 @@ impl Structure {
     #[must_use]
     pub fn with_bonds(mut self, bonds: Vec<Bond>) -> Structure {
         let old = std::mem::replace(&mut self.bonds, bond::normalise(bonds, self.element.len()));
+        self.bonds.shrink_to_fit();
         let bonds = &self.bonds;
         self.bond_stereo = (self.bond_stereo.iter())
             .filter_map(|mark| {
