@@ -8,29 +8,24 @@ fn list<T>(list: &Vec<T>) -> usize {
     list.capacity() * size_of::<T>()
 }
 
-/// Gives back what a list has set aside for more.
-fn shrink<T>(list: &mut Vec<T>) {
-    list.shrink_to_fit();
-}
-
 impl Structure {
     /// Gives back what the columns have set aside for more atoms: they were read one by one, and grew by doubling. Large ones stay where
     /// they are.
     pub(super) fn shrink(&mut self) {
-        shrink(&mut self.element);
-        shrink(&mut self.atom_name);
-        shrink(&mut self.serial);
-        shrink(&mut self.residue_of_atom);
-        shrink(&mut self.flags);
-        shrink(&mut self.altloc);
-        shrink(&mut self.occupancy);
-        shrink(&mut self.b_factor);
-        shrink(&mut self.formal_charge);
-        shrink(&mut self.partial_charge);
-        shrink(&mut self.isotope);
-        shrink(&mut self.radical);
-        shrink(&mut self.residues);
-        shrink(&mut self.bonds);
+        self.element.shrink_to_fit();
+        self.atom_name.shrink_to_fit();
+        self.serial.shrink_to_fit();
+        self.residue_of_atom.shrink_to_fit();
+        self.flags.shrink_to_fit();
+        self.altloc.shrink_to_fit();
+        self.occupancy.shrink_to_fit();
+        self.b_factor.shrink_to_fit();
+        self.formal_charge.shrink_to_fit();
+        self.partial_charge.shrink_to_fit();
+        self.isotope.shrink_to_fit();
+        self.radical.shrink_to_fit();
+        self.residues.shrink_to_fit();
+        self.bonds.shrink_to_fit();
     }
 
     /// Bytes on the heap that it has set aside, to a few for each text and table. What atoms and bonds take grows with their number
