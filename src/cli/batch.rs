@@ -159,18 +159,17 @@ pub(super) fn run(
     let batch =
         Batch { report, make, done: AtomicUsize::new(0), drawn: AtomicUsize::new(0), ended: AtomicBool::new(false) };
     let threads = rayon::current_num_threads();
-    let (mut alone, mut together): (Vec<&Picture>, Vec<&Picture>) =
+    let (alone, large): (Vec<&Picture>, Vec<&Picture>) =
         plan.pictures.iter().partition(|picture| pixels <= LARGE_PIXELS && is_small(picture));
     // A few are done sooner by all cores.
     let workers = if threads > 1 && alone.len() > threads { draw.workers() } else { None };
-    match workers {
-        Some(new) => batch.at_once(&alone, threads, new.as_ref()),
-        None => {
-            alone.append(&mut together);
-            alone.sort_by_key(|picture| plan.pictures.iter().position(|other| std::ptr::eq(other, *picture)));
-            together = alone;
+    let together = match workers {
+        Some(new) => {
+            batch.at_once(&alone, threads, new.as_ref());
+            large
         }
-    }
+        None => plan.pictures.iter().collect(),
+    };
     for notice in draw.notices() {
         report.line(&format!("ballstick: warning: {notice}"));
     }

@@ -170,10 +170,10 @@ impl Structure {
         let mut place = vec![u32::MAX; self.atom_count()];
         for (number, operation) in (0u32..).zip(&assembly.operations) {
             copy_begins.push(sources.len());
-            for atom in 0..self.atom_count() {
-                place[atom] = u32::MAX;
+            for (atom, place) in place.iter_mut().enumerate() {
+                *place = u32::MAX;
                 if has(atom, number) {
-                    place[atom] = sources.len() as u32;
+                    *place = sources.len() as u32;
                     sources.push((atom as u32, operation.transform_point3(self.positions().get(atom))));
                 }
             }
