@@ -232,7 +232,6 @@ fn molecule(mut table: Table<'_>, state: &State) {
         table.choice(format!("Supercell {n}×{n}×{n}"), &[], crystal.supercell == counts, Action::Supercell(counts));
     }
     let known = super::assemblies::known(state);
-    // With one copy of all alone there is nothing to choose.
     for (id, words) in known.iter().filter(|_| known.len() > 1) {
         table.choice(format!("Assembly {words}"), &[], crystal.assembly == *id, Action::Assembly(*id));
     }

@@ -60,6 +60,14 @@ impl Assembly {
         self.parts.push(part);
     }
 
+    /// Whether it is nothing but the atoms as they are listed, each once.
+    #[must_use]
+    pub fn is_as_listed(&self, atom_count: usize) -> bool {
+        let ranges = self.parts.iter().flat_map(|part| &part.atoms);
+        let atoms = ranges.fold(0usize, |sum, range| sum.saturating_add(range.len()));
+        self.operations == [DAffine3::IDENTITY] && atoms >= atom_count
+    }
+
     /// Which atoms have which operations: the sets of operations that occur (indices, ascending), and for every atom the number of its
     /// set, from 0; `u32::MAX` for atoms that are not in the assembly.
     #[must_use]
@@ -252,6 +260,9 @@ mod tests {
         let mut far = Assembly::new("2", "");
         far.push(vec![3..9, 20..30], &[shift(1.0)]);
         assert_eq!(far.atom_count(4), 1);
+        let mut listed = Assembly::new("3", "");
+        listed.push(vec![0..3, 3..4], &[shift(0.0)]);
+        assert!(listed.is_as_listed(4) && !far.is_as_listed(4) && !assembly.is_as_listed(4));
     }
 
     #[test]

@@ -109,7 +109,8 @@ mod tests {
         let mut builder = StructureBuilder::new();
         for chain in ["A", "B", ""] {
             let (position, residue) = (DVec3::new(1.0, 2.0, 3.0), Some((chain, 1, b' ', "GLY")));
-            builder.push_atom(&AtomRecord { position, residue, name: "CA", ..AtomRecord::default() });
+            let element = crate::element::Element::C;
+            builder.push_atom(&AtomRecord { element, position, residue, name: "CA", ..AtomRecord::default() });
         }
         let mut structure = builder.build(&mut Diagnostics::default());
         let turn = DAffine3 {
