@@ -38,7 +38,7 @@
 //! | [`math`], [`color`], [`element`], [`error`] | geometry, the only sRGB conversion, the element table, errors by whose fault they are |
 //! | [`structure`] | the molecular model: structure of arrays, immutable once built |
 //! | [`import`], [`bonds`] | bytes to structures (and triangle meshes, [`import::mesh`], and frames of trajectories, [`import::trajectory`], which has a table of their formats), never guessing a bond; structures to bonds, never reading a file |
-//! | [`crystal`] | which copies of a periodic structure's atoms are drawn: whole molecules, cells, supercells |
+//! | [`crystal`] | which copies of a structure's atoms are drawn: whole molecules, cells, supercells, assemblies |
 //! | [`select`] | atoms by words, as in `chain A and not water`: the language, its errors and completions |
 //! | [`scene`] | blocks of primitives × placements, styles, colours, arrows, overlays, camera, light, ground; knows no renderer |
 //! | [`render`] | the definition of the picture ([`render::frame`]), the CPU renderer, the wgpu renderer, and the choice between them |
@@ -112,6 +112,8 @@
 //! - Symmetry is applied where the file lists its operations (CIF of small molecules, REMARK 290 of PDB), not from the name of the
 //!   space group, which is all that mmCIF files of proteins give. A protein is drawn as listed unless `--cell full` asks for the
 //!   crystal.
+//! - Copies of an assembly have the colours, styles and selections of the one that is listed; bonds between copies are not drawn. Words select atoms of
+//!   the first copy, clicks and rectangles those of any; what is done with them holds in all copies.
 //! - Formal charges of metals are not told, nor those of acids and amines whose hydrogens a file leaves out. Nitrides and carbenes on
 //!   metals have single bonds or dashes.
 //! - Dative bonds do not keep which atom gives the pair.

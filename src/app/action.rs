@@ -4,7 +4,7 @@ use super::selecting::{Deed, How};
 use super::state::AtEnd;
 use super::work::{AtomKey, Layer};
 use crate::bonds::BondMode;
-use crate::crystal::{BondsPerFrame, CellChoice};
+use crate::crystal::{AssemblyId, BondsPerFrame, CellChoice};
 use crate::import::trajectory::Input;
 use crate::render::Quality;
 use crate::scene::{Aromatic, Background, Camera, ColorBy, LabelContent, Look, Style};
@@ -71,6 +71,8 @@ pub(super) enum Action {
     BondsPerFrame(BondsPerFrame),
     Cell(CellChoice),
     Supercell([u32; 3]),
+    /// The assembly that is drawn, or none.
+    Assembly(Option<AssemblyId>),
     CellBox(Option<bool>),
     Quality(Quality),
 
@@ -181,6 +183,7 @@ impl Action {
             | Action::HydrogenBonds(_)
             | Action::BondsPerFrame(_) => "bonds",
             Action::Cell(_) | Action::Supercell(_) | Action::CellBox(_) => "cell",
+            Action::Assembly(_) => "assembly",
             Action::Quality(_) => "quality",
             Action::Pick(_)
             | Action::PickAlso(_)

@@ -91,8 +91,11 @@ impl Spec {
     /// Whether it is done in no time.
     pub(super) fn is_small(&self) -> bool {
         let cells = self.crystal.supercell.into_iter().fold(1usize, |all, n| all.saturating_mul(n as usize));
-        let atoms =
-            |(_, document, _): &Layer| document.records.first().map_or(0, crate::structure::Structure::atom_count);
+        let atoms = |(_, document, _): &Layer| {
+            let Some(structure) = document.records.first() else { return 0 };
+            let assembly = self.crystal.assembly.and_then(|id| structure.assembly(id.as_str()));
+            structure.atom_count().saturating_mul(assembly.map_or(1, |assembly| assembly.operations.len()))
+        };
         self.layers.iter().map(atoms).sum::<usize>().saturating_mul(cells) <= AT_ONCE
     }
 }

@@ -231,6 +231,10 @@ fn molecule(mut table: Table<'_>, state: &State) {
         let counts = [n; 3];
         table.choice(format!("Supercell {n}×{n}×{n}"), &[], crystal.supercell == counts, Action::Supercell(counts));
     }
+    let known = super::assemblies::known(state);
+    for (id, words) in known.iter().filter(|_| known.len() > 1) {
+        table.choice(format!("Assembly {words}"), &[], crystal.assembly == *id, Action::Assembly(*id));
+    }
     table.switch("Edges of the cell", &[], state.work.cell_box == Some(true), |on| Action::CellBox(Some(on)));
 }
 

@@ -14,6 +14,7 @@
 mod action;
 mod ahead;
 mod animations;
+mod assemblies;
 mod build;
 mod clipboard;
 mod commands;

@@ -21,11 +21,11 @@ pub(super) enum Target {
 
 /// What an id of the scene stands for.
 pub(super) fn target(state: &State, id: u32) -> Option<Target> {
-    let (item, own) = state.built.scene.item_of(id)?;
+    let (item, copy, own) = state.built.scene.item_of(id)?;
     let (layer, drawn) = state.built.drawn.get(item)?;
     let atoms = u32::try_from(drawn.structure.atom_count()).ok()?;
     if own < atoms {
-        return Some(Target::Atom(AtomKey { layer: *layer, atom: own }));
+        return Some(Target::Atom(AtomKey { layer: *layer, atom: own.checked_add(copy.checked_mul(atoms)?)? }));
     }
     ((own - atoms) as usize).lt(&drawn.structure.bonds().len()).then_some(Target::Bond(*layer, own - atoms))
 }
@@ -48,8 +48,7 @@ pub(super) fn ball(state: &State, key: AtomKey) -> Option<(Vec3, f32)> {
 
 /// Where an atom is in the file, with all digits.
 fn position(state: &State, key: AtomKey) -> Option<DVec3> {
-    let structure = &drawn(state, key.layer)?.structure;
-    ((key.atom as usize) < structure.atom_count()).then(|| structure.positions().get(key.atom as usize))
+    drawn(state, key.layer)?.position(key.atom)
 }
 
 /// What two, three or four atoms measure.
@@ -113,14 +112,30 @@ pub(super) fn more(state: &mut State) {
         Some(if by_chain { structure.residues()[residue].chain as usize } else { residue })
     };
     for by_chain in [false, true] {
-        let mut groups: HashSet<(u32, usize)> = HashSet::new();
+        // With their copies: what is picked in one of them stays in it.
+        let mut groups: HashSet<(u32, u32, usize)> = HashSet::new();
+        let mut copies: HashSet<(u32, u32)> = HashSet::new();
         for (layer, drawn) in &state.built.drawn {
-            let own = picked.iter().filter(|key| key.layer == *layer);
-            groups.extend(own.filter_map(|key| Some((*layer, group(&drawn.structure, key.atom as usize, by_chain)?))));
+            for key in picked.iter().filter(|key| key.layer == *layer) {
+                let Some((copy, own)) = drawn.own_atom(key.atom) else { continue };
+                if let Some(group) = group(&drawn.structure, own, by_chain) {
+                    groups.insert((*layer, copy, group));
+                    copies.insert((*layer, copy));
+                }
+            }
         }
-        let more = keys(state, |layer, structure, atom| {
-            group(structure, atom, by_chain).is_some_and(|group| groups.contains(&(layer, group)))
-        });
+        let mut more = Vec::new();
+        for (layer, drawn) in &state.built.drawn {
+            let count = drawn.structure.atom_count();
+            for &(_, copy) in copies.iter().filter(|(of, _)| of == layer) {
+                let is_in = |atom: usize| {
+                    group(&drawn.structure, atom, by_chain).is_some_and(|group| groups.contains(&(*layer, copy, group)))
+                };
+                let atoms = (0..count).filter(|&atom| is_in(atom)).map(|atom| copy as usize * count + atom);
+                more.extend(atoms.filter_map(|atom| Some(AtomKey { layer: *layer, atom: u32::try_from(atom).ok()? })));
+            }
+        }
+        more.sort_unstable();
         if more.len() > picked.len() {
             state.work.picked = Arc::new(more);
             return;
@@ -131,16 +146,23 @@ pub(super) fn more(state: &mut State) {
 
 /// Lets go of picked atoms and measurements that are not there any more.
 pub(super) fn keep_what_is_there(state: &mut State) {
-    let counts: Vec<(u32, usize)> =
-        state.built.drawn.iter().map(|(id, drawn)| (*id, drawn.structure.atom_count())).collect();
     // Those of hidden layers wait for them to come back.
-    let is_there = |key: &AtomKey| {
-        counts.iter().find(|(id, _)| *id == key.layer).is_none_or(|&(_, count)| (key.atom as usize) < count)
-    };
-    if !state.work.picked.iter().all(is_there) {
-        state.work.picked = Arc::new(state.work.picked.iter().copied().filter(is_there).collect());
+    let is_there = |key: &AtomKey| drawn(state, key.layer).is_none_or(|drawn| drawn.own_atom(key.atom).is_some());
+    let kept: Vec<AtomKey> = state.work.picked.iter().copied().filter(is_there).collect();
+    let measured: Vec<bool> = state.work.measurements.iter().map(|atoms| atoms.iter().all(is_there)).collect();
+    if kept.len() < state.work.picked.len() {
+        state.work.picked = Arc::new(kept);
     }
-    state.work.measurements.retain(|atoms| atoms.iter().all(is_there));
+    let mut measured = measured.into_iter();
+    state.work.measurements.retain(|_| measured.next().unwrap_or(false));
+}
+
+/// As [`short_name`], of an atom of the picture: `CA of GLY 12 in chain A, copy 2`.
+pub(super) fn name_of(state: &State, key: AtomKey) -> Option<String> {
+    let drawn = drawn(state, key.layer)?;
+    let (copy, own) = drawn.own_atom(key.atom)?;
+    let name = short_name(&drawn.structure, own);
+    Some(if copy == 0 { name } else { format!("{name}, copy {}", copy + 1) })
 }
 
 /// An atom in a few words: `CA of GLY 12 in chain A`, `C3`.
@@ -168,7 +190,8 @@ pub(super) fn short_name(structure: &Structure, atom: usize) -> String {
 const MOST_BONDS: usize = 8;
 
 /// What there is to say of an atom: a heading, and facts by name.
-pub(super) fn about_atom(drawn: &Drawn, atom: usize) -> (String, Vec<(String, String)>) {
+pub(super) fn about_atom(drawn: &Drawn, atom: u32) -> Option<(String, Vec<(String, String)>)> {
+    let (place, (copy, atom)) = (drawn.position(atom)?, drawn.own_atom(atom)?);
     let structure = &drawn.structure;
     let mut facts = Vec::new();
     let mut fact = |name: &str, value: String| facts.push((name.to_owned(), value));
@@ -197,8 +220,10 @@ pub(super) fn about_atom(drawn: &Drawn, atom: usize) -> (String, Vec<(String, St
     }
     let listed = drawn.listed.get(atom).map_or(atom, |&listed| listed as usize);
     fact("Number", (listed + 1).to_string());
-    let p = structure.positions().get(atom);
-    fact("Position", format!("{:.3}  {:.3}  {:.3} Å", p.x, p.y, p.z));
+    if let Some(copies) = &drawn.copies {
+        fact("Copy", format!("{} of {}", copy + 1, copies.operations.len()));
+    }
+    fact("Position", format!("{:.3}  {:.3}  {:.3} Å", place.x, place.y, place.z));
     if structure.altloc(atom) != b' ' {
         let altloc = char::from(structure.altloc(atom));
         fact("Location", format!("{altloc}, occupancy {:.2}", structure.occupancy(atom)));
@@ -220,7 +245,7 @@ pub(super) fn about_atom(drawn: &Drawn, atom: usize) -> (String, Vec<(String, St
     if own.len() > MOST_BONDS {
         fact("", format!("and {} more bonds", own.len() - MOST_BONDS));
     }
-    (heading, facts)
+    Some((heading, facts))
 }
 
 /// What there is to say of a bond.

@@ -110,17 +110,21 @@ pub(super) fn choose(state: &mut State, how: How) {
         How::Grow => {
             let mut new = Vec::new();
             for (layer, drawn) in &state.built.drawn {
-                let mut is_picked = vec![false; drawn.structure.atom_count()];
-                let own = state.work.picked.iter().filter(|key| key.layer == *layer);
-                for key in own {
-                    if let Some(is) = is_picked.get_mut(key.atom as usize) {
-                        *is = true;
+                // Copy by copy.
+                let mut picked: HashMap<u32, Vec<bool>> = HashMap::new();
+                let count = drawn.structure.atom_count();
+                for key in state.work.picked.iter().filter(|key| key.layer == *layer) {
+                    if let Some((copy, own)) = drawn.own_atom(key.atom) {
+                        picked.entry(copy).or_insert_with(|| vec![false; count])[own] = true;
                     }
                 }
-                for bond in drawn.structure.bonds().iter().filter(|bond| bond.kind != BondKind::Hydrogen) {
-                    for (from, to) in [(bond.a, bond.b), (bond.b, bond.a)] {
-                        if is_picked[from as usize] && !is_picked[to as usize] {
-                            new.push(AtomKey { layer: *layer, atom: to });
+                for (copy, is_picked) in picked {
+                    let before = copy * u32::try_from(count).unwrap_or(0);
+                    for bond in drawn.structure.bonds().iter().filter(|bond| bond.kind != BondKind::Hydrogen) {
+                        for (from, to) in [(bond.a, bond.b), (bond.b, bond.a)] {
+                            if is_picked[from as usize] && !is_picked[to as usize] {
+                                new.push(AtomKey { layer: *layer, atom: before + to });
+                            }
                         }
                     }
                 }
@@ -154,12 +158,16 @@ fn selection(state: &State) -> Option<Selection> {
     }
     let mut by_layer: HashMap<u32, Vec<u32>> = HashMap::new();
     for key in work.picked.iter() {
-        by_layer.entry(key.layer).or_default().push(key.atom.saturating_add(1));
+        // What is said of an atom holds in all of its copies.
+        let own = picking::drawn(state, key.layer).and_then(|drawn| drawn.own_atom(key.atom));
+        let atom = own.map_or(key.atom, |(_, own)| u32::try_from(own).unwrap_or(u32::MAX));
+        by_layer.entry(key.layer).or_default().push(atom.saturating_add(1));
     }
     let mut all = Vec::new();
     for (place, layer) in work.layers.iter().enumerate() {
         let Some(mut numbers) = by_layer.remove(&layer.id) else { continue };
         numbers.sort_unstable();
+        numbers.dedup();
         // In a crystal several atoms have one number of the file.
         let by_index = picking::drawn(state, layer.id).is_none_or(|drawn| drawn.listed.is_empty());
         all.push(Selection::of_numbers(u32::try_from(place + 1).ok()?, &numbers, by_index));
@@ -252,13 +260,15 @@ pub(super) fn in_rectangle(state: &State, [low, high]: [[f32; 2]; 2]) -> Vec<Ato
         -p.z > camera.near && (low[0]..=high[0]).contains(&x) && (low[1]..=high[1]).contains(&y)
     };
     let mut keys = Vec::new();
-    for ((layer, drawn), &at) in state.built.drawn.iter().zip(&scene.items) {
-        let Some(placement) = scene.placements.get(at) else { continue };
-        for ball in &scene.blocks[placement.block].spheres {
-            let atom = ball.id.wrapping_sub(1);
-            let is_atom = (atom as usize) < drawn.structure.atom_count();
-            if is_atom && is_inside(placement.world_from_block.transform_point3(ball.center.into())) {
-                keys.push(AtomKey { layer: *layer, atom });
+    for ((layer, _), ids) in state.built.drawn.iter().zip(&scene.items) {
+        for placement in scene.placements.get(ids.placements.clone()).unwrap_or_default() {
+            let before = ids.copy_of(placement).saturating_mul(ids.atoms);
+            for ball in &scene.blocks[placement.block].spheres {
+                let atom = ball.id.wrapping_sub(1);
+                let is_atom = atom < ids.atoms;
+                if is_atom && is_inside(placement.world_from_block.transform_point3(ball.center.into())) {
+                    keys.push(AtomKey { layer: *layer, atom: before.saturating_add(atom) });
+                }
             }
         }
     }

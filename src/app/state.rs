@@ -330,8 +330,9 @@ impl State {
             let key = |place: &AtomPlace| {
                 let layer = self.work.layer(place.item.checked_add(1)?)?;
                 let atoms = layer.document.records.first()?.atom_count();
-                // What is drawn of a crystal has other numbers than the file.
-                let is_there = (place.atom as usize) < atoms || layer.document.records[0].cell().is_some();
+                // What is drawn of a crystal or an assembly has other numbers than the file.
+                let has_others = layer.document.records[0].cell().is_some() || self.work.crystal.assembly.is_some();
+                let is_there = (place.atom as usize) < atoms || has_others;
                 is_there.then_some(AtomKey { layer: layer.id, atom: place.atom })
             };
             match atoms.iter().map(key).collect::<Option<Vec<AtomKey>>>() {

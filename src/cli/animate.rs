@@ -70,7 +70,8 @@ pub(super) fn run(
     if args.look.depth_of_field.is_some() && !args.look.is_perspective() {
         return Err("--depth-of-field needs --projection perspective: parallel rays have no focus".to_owned());
     }
-    let plan = plan::outputs(&args.files, &args.output, name)?;
+    let mut plan = plan::outputs(&args.files, &args.output, name)?;
+    super::batch::choose(&mut plan, args.batch, &args.look.overlay)?;
     if args.look.backdrop().0.is_none() {
         if !format.holds_alpha() {
             report.warn(&args.output, &format!("{name} cannot be transparent; the background is white"));

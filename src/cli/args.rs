@@ -1,6 +1,8 @@
 //! The command line, as it is typed. Nothing here acts; names and defaults are what others script against.
 
+use super::assembly::AssemblyArgs;
 use super::atoms::{AtomArgs, ShowArgs};
+use super::batch::BatchArgs;
 use super::size::{Crop, PictureSize};
 use super::values::{
     Altloc, Axis, Backdrop, Direction, MeasureArg, RecordChoice, Region, Supercell, blur, color, counted_from_1, fog,
@@ -99,8 +101,8 @@ Channels (--channel) as 16-bit PNG, or as plain numbers in NPY (-o depth.npy):
           NPY: f4 (h,w)
 
 Timings (--timings), one JSON object a picture: seconds for read, bonds, scene, render, encode
-and total; peak_memory in bytes (null where the system does not tell); atom_count, bond_count,
-renderer and output.";
+and total; peak_memory, structure_memory and scene_memory in bytes (the first null where the system
+does not tell); atom_count, bond_count, renderer and output.";
 
 /// `ballstick render`.
 #[derive(Debug, Clone, Args)]
@@ -175,6 +177,9 @@ pub struct RenderArgs {
     /// Renderer.
     #[command(flatten)]
     pub renderer: RendererArgs,
+    /// Batch.
+    #[command(flatten)]
+    pub batch: BatchArgs,
     /// Print timings as JSON on standard error, see below
     #[arg(long, help_heading = "Running")]
     pub timings: bool,
@@ -357,6 +362,9 @@ pub struct CrystalArgs {
     /// Cells along a, b and c, such as 2x2x1; whole cells, unless --cell asym is given
     #[arg(long, value_name = "AxBxC", default_value = "1x1x1", help_heading = "Crystal")]
     pub supercell: Supercell,
+    /// Assembly.
+    #[command(flatten)]
+    pub assembly: AssemblyArgs,
     /// Draw the edges of the unit cell (the default where cells are drawn and not single molecules)
     #[arg(long, overrides_with = "no_cell_box", help_heading = "Crystal")]
     pub cell_box: bool,
@@ -428,6 +436,9 @@ pub struct ConvertArgs {
     /// Atoms.
     #[command(flatten)]
     pub shown: ShowArgs,
+    /// Assembly.
+    #[command(flatten)]
+    pub assembly: AssemblyArgs,
     /// Bonds.
     #[command(flatten)]
     pub bonds: BondArgs,
@@ -653,9 +664,12 @@ mod tests {
             "--dpi=600",
             "--quality=high",
             "--timings",
+            "--skip-existing",
+            "--shard=2/8",
             "--altloc=B",
             "--cell=full",
             "--supercell=2x2x1",
+            "--assembly=PAU",
             "--bonds-per-frame=never",
             "--haptic",
             "--label=element,index",

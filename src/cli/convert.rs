@@ -1,6 +1,7 @@
 //! `ballstick convert`: a structure in another format.
 
 use super::args::ConvertArgs;
+use super::assembly;
 use super::load::{pick, read_as, with_bonds};
 use super::report::Report;
 use crate::error::Result;
@@ -55,6 +56,7 @@ fn convert(args: &ConvertArgs, from: Option<Format>, format: &StructureFormat, r
             report.warn(&args.input, &format!("--{flag} {selection}: there is no such atom"));
         }
     }
+    records = assembly::written(records, args.assembly.assembly.0, (&args.input, report))?;
     for loss in format.losses(&records) {
         report.warn(&args.input, &loss);
     }

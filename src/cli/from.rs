@@ -243,7 +243,7 @@ mod tests {
     #[test]
     fn every_flag_of_a_picture_is_one_of_the_session() {
         // Where to and how, not what; what `Origin` has; and the other side of a switch that is off unless said.
-        let others = ["output", "to", "timings", "from", "help", "frame", "camera"];
+        let others = ["output", "to", "timings", "skip-existing", "shard", "from", "help", "frame", "camera"];
         let selection = || crate::select::Selection::parse("water").unwrap();
         let mut session: Session = crate::session::Session::of(&crate::session::Settings {
             scene: crate::scene::SceneOptions {
@@ -272,6 +272,7 @@ mod tests {
             },
             crystal: crate::crystal::CrystalOptions {
                 bonds: crate::bonds::BondOptions { hydrogen_bonds: true, ..Default::default() },
+                assembly: crate::crystal::AssemblyId::new("1"),
                 ..Default::default()
             },
             cell_box: Some(true),

@@ -5,6 +5,7 @@
 //! aromatic ones only as that. `--explain-bonds` adds the reason of every bond.
 
 use super::args::InfoArgs;
+use super::assembly::AssemblyInfo;
 use super::explain::Explanations;
 use super::load::{bond_options, count_orders};
 use super::report::{Report, printable};
@@ -38,6 +39,8 @@ struct Info {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     trajectories: Vec<TrajectoryInfo>,
     cell: Option<CellInfo>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    assemblies: Vec<AssemblyInfo>,
     diagnostics: Vec<DiagnosticInfo>,
     #[serde(flatten)]
     explanations: Option<Explanations>,
@@ -205,6 +208,7 @@ fn summary(path: &Path, document: &Document, structure: &Structure, bonds: &[Bon
             let ([a, b, c], [alpha, beta, gamma]) = (cell.lengths().map(tidy), cell.angles_deg().map(tidy));
             CellInfo { a, b, c, alpha, beta, gamma }
         }),
+        assemblies: AssemblyInfo::all(structure),
         diagnostics: document
             .diagnostics
             .iter()
@@ -287,6 +291,14 @@ fn people_text(info: &Info) -> String {
         let lengths = [a, b, c].map(|x| round(*x, 1e4).to_string()).join(" ");
         let angles = [alpha, beta, gamma].map(|x| round(*x, 1e3).to_string()).join(" ");
         row("cell", format!("{lengths} Å, {angles}°"));
+    }
+    /// Assemblies that are listed; JSON has all of them.
+    const MOST: usize = 20;
+    for assembly in info.assemblies.iter().take(MOST) {
+        row("assembly", assembly.words());
+    }
+    if info.assemblies.len() > MOST {
+        row("", format!("and {} more assemblies", info.assemblies.len() - MOST));
     }
     let text: String = lines.iter().map(|line| printable(line) + "\n").collect();
     text + &info.explanations.as_ref().map_or_else(String::new, Explanations::text)

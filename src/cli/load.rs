@@ -1,6 +1,7 @@
 //! From a path to structures with bonds: reading, picking record and frame, finding bonds.
 
 use super::args::{BondArgs, CellArg, CrystalArgs, Named, SelectArgs};
+use super::assembly;
 use super::report::Report;
 use super::values::RecordChoice;
 use crate::bonds::{self, BondMode, BondOptions};
@@ -103,6 +104,7 @@ fn parts(document: &Document, select: &SelectArgs, options: &CrystalOptions) -> 
         SelectArgs { frame: None, record: None } => &SelectArgs { frame: Some(NonZeroU32::MIN), record: None },
         select => select,
     };
+    assembly::check(options.assembly, document.records.iter())?;
     let is_trajectory = !document.trajectories.is_empty();
     let is_fixed = document.has_frames() && options.bonds_per_frame.is_fixed(is_trajectory);
     let part = |(record, frame): (usize, Option<usize>)| {
@@ -146,7 +148,12 @@ fn draw(parts: Vec<Part>, molecules: &Molecules, options: &CrystalOptions) -> Re
 
 /// Says why cells are not drawn that were asked for.
 pub(super) fn warn_of_cells(drawn: &[Drawn], (path, format): (&Path, Format), args: CrystalArgs, report: &Report) {
+    assembly::warn_of_none(drawn, args.assembly.assembly.0, path, report);
     let is_asked = args.supercell.is_several() || args.cell == CellArg::Full;
+    if drawn.iter().any(|drawn| drawn.copies.is_some() && !drawn.is_cell_content) && is_asked {
+        report.warn(path, "--cell full and --supercell have no effect: an assembly is drawn");
+        return;
+    }
     if !is_asked || drawn.iter().any(|drawn| drawn.is_cell_content) {
         return;
     }
@@ -167,6 +174,7 @@ pub(super) fn crystal_options(bond_args: BondArgs, args: CrystalArgs) -> Crystal
     CrystalOptions {
         cell: CellChoice::from_name(&args.cell.name()).unwrap_or_default(),
         supercell: args.supercell.0,
+        assembly: args.assembly.assembly.0,
         bonds: bond_options(bond_args),
         bonds_per_frame: BondsPerFrame::from_name(&args.bonds_per_frame.name()).unwrap_or_default(),
         ..CrystalOptions::default()

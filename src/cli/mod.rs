@@ -6,7 +6,9 @@
 
 mod animate;
 pub mod args;
+pub mod assembly;
 pub mod atoms;
+pub mod batch;
 mod convert;
 mod devices;
 mod explain;

@@ -1,10 +1,11 @@
 //! `ballstick render`: from files to picture files, one after another.
 //!
-//! The renderer uses all cores for each picture, strip by strip where it is large ([`super::strips`]). One bad file never stops the others; even a panic costs only its
-//! own picture. Drawing itself is behind [`Draw`], so that this module knows neither scene nor renderer.
+//! Many files are shared out among the cores ([`super::batch`]); a large picture is drawn by all of them, strip by strip ([`super::strips`]). One bad file never stops the others; even
+//! a panic costs only its own picture. Drawing itself is behind [`Draw`], so that this module knows neither scene nor renderer.
 
 use super::animate;
 use super::args::{Channel, Named, RenderArgs, SelectArgs};
+use super::batch;
 use super::load::{LoadSeconds, load_for_picture};
 use super::plan::{Picture, Plan, plan};
 use super::record::{Sums, metadata};
@@ -44,6 +45,11 @@ pub(super) trait Draw {
     /// Who draws, once something is drawn.
     fn renderer(&self) -> String;
 
+    /// Bytes of what is loaded.
+    fn scene_memory(&self) -> usize {
+        0
+    }
+
     /// The view of what is loaded.
     fn viewpoint(&self) -> Option<Viewpoint> {
         None
@@ -65,6 +71,11 @@ pub(super) trait Draw {
 
     /// Forgets what a panic may have left half done.
     fn reset(&mut self);
+
+    /// What makes others of its kind for other threads; `None` if pictures are to be drawn one after the other.
+    fn workers(&mut self) -> Option<Box<dyn Fn() -> Box<dyn Draw> + Sync>> {
+        None
+    }
 }
 
 /// One line of `--timings`: seconds, bytes, counts.
@@ -78,6 +89,8 @@ struct Timings<'a> {
     encode: f64,
     total: f64,
     peak_memory: Option<u64>,
+    structure_memory: usize,
+    scene_memory: usize,
     atom_count: usize,
     bond_count: usize,
     renderer: &'a str,
@@ -88,7 +101,8 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
     if let Some(format) = animate::wanted(args)? {
         return animate::run(args, format, report, draw);
     }
-    let (plan, format) = plan(&args.files, &args.output, args.to.as_deref())?;
+    let begun = Instant::now();
+    let (mut plan, format) = plan(&args.files, &args.output, args.to.as_deref())?;
     let size = args.size.pixels(args.dpi)?;
     if let Some(region) = args.region {
         check_region(size, region)?;
@@ -116,13 +130,16 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
         let name = format.extensions()[0];
         report.warn(&args.output, &format!("{name} cannot be transparent; the background is white"));
     }
+    let skipped = batch::choose(&mut plan, args.batch, &args.look.overlay)?;
     report.start(plan.pictures.len());
-    let mut index = 0;
-    each_of(plan, report, draw, &mut |picture, report, draw| {
-        report.step(index, &picture.output.to_string_lossy());
-        index += 1;
+    let (report, pixels) = (&*report, u64::from(size.width) * u64::from(size.height));
+    let make = |picture: &Picture, report: &Report, draw: &mut dyn Draw| {
         one_picture(args, size, (picture, format), report, draw)
-    });
+    };
+    let tally = batch::run(&plan, pixels, skipped, (report, draw), &make);
+    if tally.is_batch() {
+        report.line(&format!("ballstick: {}", tally.words(begun)));
+    }
     Ok(())
 }
 
@@ -160,13 +177,14 @@ pub(super) fn each_of(
     }
 }
 
+/// Draws one picture; `false` if none of its inputs could be read.
 fn one_picture(
     args: &RenderArgs,
     size: Size,
     (picture, format): (&Picture, PictureFormat),
     report: &Report,
     draw: &mut dyn Draw,
-) -> Result<()> {
+) -> Result<bool> {
     let started = Instant::now();
     let mut seconds = LoadSeconds::default();
     let mut drawn = Vec::new();
@@ -185,7 +203,7 @@ fn one_picture(
         }
     }
     if drawn_inputs.is_empty() {
-        return Ok(()); // said above, input by input
+        return Ok(false); // said above, input by input
     }
     let side_by_side = args.select.record == Some(RecordChoice::All);
     let loading = Instant::now();
@@ -232,14 +250,16 @@ fn one_picture(
         encode: written.encode,
         total: started.elapsed().as_secs_f64(),
         peak_memory: peak_memory(),
-        atom_count: drawn.iter().map(|drawn| drawn.structure.atom_count()).sum(),
-        bond_count: drawn.iter().map(|drawn| drawn.structure.bonds().len()).sum(),
+        structure_memory: drawn.iter().map(|drawn| drawn.structure.memory()).sum(),
+        scene_memory: draw.scene_memory(),
+        atom_count: drawn.iter().map(|drawn| drawn.counts()[0]).sum(),
+        bond_count: drawn.iter().map(|drawn| drawn.counts()[1]).sum(),
         renderer: &draw.renderer(),
     };
     if args.timings {
         report.line(&serde_json::to_string(&timings).unwrap_or_default());
     }
-    Ok(())
+    Ok(true)
 }
 
 /// The most memory the process has had so far, in bytes; `None` where the system does not tell.

@@ -16,6 +16,8 @@ pub(super) struct Plan {
     pub(super) clashes: Vec<Clash>,
     /// A folder to make first.
     pub(super) new_folder: Option<PathBuf>,
+    /// Whether each input has a picture of its own.
+    pub(super) is_each: bool,
 }
 
 #[derive(Debug, PartialEq, Eq)]
@@ -77,11 +79,11 @@ pub(super) fn outputs(files: &[PathBuf], output: &Path, extension: &str) -> Resu
         return Ok(each(files, &pattern.to_string_lossy(), new_folder));
     }
     let pictures = vec![Picture { inputs: inputs(files), output: output.to_owned() }];
-    Ok(Plan { pictures, clashes: Vec::new(), new_folder: None })
+    Ok(Plan { pictures, clashes: Vec::new(), new_folder: None, is_each: false })
 }
 
 fn each(files: &[PathBuf], pattern: &str, new_folder: Option<PathBuf>) -> Plan {
-    let mut plan = Plan { pictures: Vec::new(), clashes: Vec::new(), new_folder };
+    let mut plan = Plan { pictures: Vec::new(), clashes: Vec::new(), new_folder, is_each: true };
     let mut taken: HashMap<PathBuf, PathBuf> = HashMap::new();
     for input in inputs(files) {
         let output = PathBuf::from(pattern.replace(STEM, &stem(&input.structure)));

@@ -51,7 +51,10 @@ struct Loaded {
 
 impl Drawer {
     pub(super) fn new(args: RendererArgs) -> Drawer {
-        let choice = Choice::from_name(&args.renderer.name()).unwrap_or_default();
+        Drawer::with(Choice::from_name(&args.renderer.name()).unwrap_or_default())
+    }
+
+    fn with(choice: Choice) -> Drawer {
         Drawer {
             choice,
             selection: None,
@@ -150,6 +153,10 @@ impl Draw for Drawer {
         }
     }
 
+    fn scene_memory(&self) -> usize {
+        self.loaded.as_ref().map_or(0, |loaded| loaded.scene.memory())
+    }
+
     fn viewpoint(&self) -> Option<Viewpoint> {
         self.loaded.as_ref().map(|loaded| loaded.viewpoint)
     }
@@ -172,6 +179,16 @@ impl Draw for Drawer {
     fn reset(&mut self) {
         self.selection = None;
         self.loaded = None;
+    }
+
+    fn workers(&mut self) -> Option<Box<dyn Fn() -> Box<dyn Draw> + Sync>> {
+        if self.selection.is_none() {
+            // What goes wrong here does so at the first picture as well, and is said there.
+            self.selection = Some(select(self.choice).ok()?);
+        }
+        let is_cpu = self.selection.as_ref().is_some_and(|selection| selection.renderer.name() == "cpu");
+        let new = || -> Box<dyn Draw> { Box::new(Drawer::with(Choice::Cpu)) };
+        is_cpu.then(|| Box::new(new) as Box<dyn Fn() -> Box<dyn Draw> + Sync>)
     }
 }
 
@@ -376,11 +393,8 @@ fn grid(drawn: &[Drawn]) -> Vec<Vec3> {
     let boxes: Vec<(DVec3, DVec3)> = drawn
         .iter()
         .map(|drawn| {
-            let positions = drawn.structure.positions();
-            let (low, high) = (0..positions.len())
-                .map(|atom| positions.get(atom))
-                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
-            if positions.is_empty() { (DVec3::ZERO, DVec3::ZERO) } else { (low, high) }
+            let [low, high] = drawn.extent();
+            if low.cmple(high).all() { (low, high) } else { (DVec3::ZERO, DVec3::ZERO) }
         })
         .collect();
     let largest = boxes.iter().fold(DVec3::ZERO, |largest, (low, high)| largest.max(*high - *low));

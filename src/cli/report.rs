@@ -3,9 +3,9 @@
 use crate::error::Error;
 use crate::structure::Diagnostic;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::cell::Cell;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ const BAR_AFTER: Duration = Duration::from_secs(1);
 /// Speaks on standard error and counts failures.
 #[derive(Default)]
 pub(super) struct Report {
-    failures: Cell<usize>,
+    failures: AtomicUsize,
     bar: Option<(ProgressBar, Sender<()>)>,
 }
 
@@ -46,7 +46,7 @@ impl Report {
 
     /// As [`Report::fail`], in other words.
     pub(super) fn fail_with(&self, message: &str) {
-        self.failures.set(self.failures.get() + 1);
+        self.failures.fetch_add(1, Ordering::Relaxed);
         self.line(&format!("ballstick: error: {message}"));
     }
 
@@ -101,7 +101,7 @@ impl Report {
     /// Takes the bar away and gives the exit status: 0, or 1 if some input failed.
     pub(super) fn finish(mut self) -> u8 {
         self.clear();
-        u8::from(self.failures.get() > 0)
+        u8::from(self.failures.load(Ordering::Relaxed) > 0)
     }
 
     fn clear(&mut self) {
@@ -114,7 +114,7 @@ impl Report {
     /// How many inputs failed.
     #[cfg(test)]
     pub(super) fn failures(&self) -> usize {
-        self.failures.get()
+        self.failures.load(Ordering::Relaxed)
     }
 }
 

@@ -12,7 +12,7 @@
 //! Hydrogen bonds, if asked for, are those of each frame; those across a face are left out.
 
 use super::molecules::{self, Neighbours};
-use super::{CellChoice, CrystalOptions, Drawn, fractional_positions, lattice, place, without_images};
+use super::{CellChoice, Copies, CrystalOptions, Drawn, fractional_positions, lattice, place, without_images};
 use crate::bonds::{self, BondOptions};
 use crate::error::{Error, Result};
 use crate::structure::{Bond, Cell, Frame, Structure};
@@ -83,12 +83,15 @@ pub struct Fixed {
     branches: Vec<Branch>,
     is_endless: bool,
     lattice: Vec<bool>,
+    copies: Option<Copies>,
 }
 
 impl Fixed {
     /// Finds the bonds in the structure's first frame, in which the symmetry of a crystal counts; frames have none.
     #[must_use]
     pub fn new(structure: Structure, options: &CrystalOptions) -> Fixed {
+        // One that is too large is drawn as listed: there is no frame of it that could be drawn.
+        let copies = super::assembly(&structure, options).ok().flatten();
         let once = BondOptions { hydrogen_bonds: false, ..options.bonds };
         let structure = bonds::assign(structure, &once).without_symmetry();
         let mut vectors = Vec::new();
@@ -106,7 +109,7 @@ impl Fixed {
         /// The last number that was given.
         static LAST: AtomicU64 = AtomicU64::new(0);
         let kind = LAST.fetch_add(1, Ordering::Relaxed) + 1;
-        Fixed { kind, structure, options: *options, vectors, branches, is_endless, lattice }
+        Fixed { kind, structure, options: *options, vectors, branches, is_endless, lattice, copies }
     }
 
     /// What is drawn of a frame.
@@ -119,14 +122,15 @@ impl Fixed {
             return Err(Error::input(None, format!("the frame has {there} atoms, the molecule {atoms}")));
         }
         let supercell = self.options.supercell.iter().any(|&count| count > 1);
-        let is_whole = !self.is_endless && !supercell && self.options.cell == CellChoice::Molecule;
+        let is_one = self.copies.is_some() || (!supercell && self.options.cell == CellChoice::Molecule);
+        let is_whole = !self.is_endless && is_one;
         let cell = frame.cell;
         let structure = match (cell, is_whole) {
             (Some(cell), true) if self.structure.fits(&cell) => {
                 self.join(&mut frame, &cell);
                 self.joined(frame)
             }
-            (Some(cell), false) if self.structure.fits(&cell) => {
+            (Some(cell), false) if self.structure.fits(&cell) && self.copies.is_none() => {
                 let structure = self.with_images(self.structure.with_frame(frame), &cell);
                 let structure = self.with_hydrogen_bonds(structure);
                 return place(structure, None, atoms, &self.options);
@@ -135,7 +139,8 @@ impl Fixed {
             _ => self.joined(frame),
         };
         let structure = without_images(self.with_hydrogen_bonds(structure));
-        Ok(Drawn { cell, lattice: self.lattice.clone(), kind: self.kind, ..Drawn::plain(structure) })
+        let (lattice, copies) = (self.lattice.clone(), self.copies.clone());
+        Ok(Drawn { cell, lattice, copies, kind: self.kind, ..Drawn::plain(structure) })
     }
 
     /// The structure with a frame in which no bond goes to an image.

@@ -10,12 +10,19 @@
 //!
 //! Of a molecule with many frames the bonds may be found once ([`Fixed`]).
 //!
+//! An assembly ([`CrystalOptions::assembly`]) is not copied: [`Drawn::copies`] says where its atoms stand. So it is with the cells of a large
+//! supercell ([`INSTANCES_FROM`]) if no bond leaves the content of a cell. Where bonds cross the faces (networks, and whatever hydrogen bonds
+//! join, if they are asked for) atoms are copied: a stick across a face has its ends in two copies. The content of one cell is copied as well: which
+//! images of an atom on a special position are one, and which images of molecules are bonded, is known of the atoms alone.
+//!
 //! Limits: the order of atoms in what is drawn is the file's, copy by copy.
 
+mod copies;
 mod fixed;
 mod lattice;
 mod molecules;
 
+pub use copies::{AssemblyId, Copies};
 pub use fixed::{BondsPerFrame, Fixed};
 
 use crate::bonds::{self, BondOptions};
@@ -69,6 +76,8 @@ pub struct CrystalOptions {
     pub bonds: BondOptions,
     /// In which of several frames they are found. Default: [`BondsPerFrame::Auto`].
     pub bonds_per_frame: BondsPerFrame,
+    /// The assembly that is drawn of structures that have it, in place of what `cell` and `supercell` say. Default: none.
+    pub assembly: Option<AssemblyId>,
     /// Most atoms drawn. Default: 50,000,000.
     pub most_atoms: usize,
 }
@@ -80,6 +89,7 @@ impl Default for CrystalOptions {
             supercell: [1; 3],
             bonds: BondOptions::default(),
             bonds_per_frame: BondsPerFrame::default(),
+            assembly: None,
             most_atoms: 50_000_000,
         }
     }
@@ -112,6 +122,8 @@ pub struct Drawn {
     pub listed: Vec<u32>,
     /// Whether the cell belongs in the picture: a network is drawn, or whole cells are asked for.
     pub is_cell_content: bool,
+    /// Where the atoms stand, if that is not once where the structure has them.
+    pub copies: Option<Copies>,
     /// Frames of one molecule that differ in their positions and cells alone have the same number, and nothing else has it; 0 for what is
     /// no such frame.
     pub kind: u64,
@@ -129,7 +141,48 @@ impl Drawn {
     fn plain(structure: Structure) -> Drawn {
         let cell = structure.cell().copied();
         let (stubs, lattice, listed) = (Vec::new(), Vec::new(), Vec::new());
-        Drawn { structure, stubs, cell, lattice, listed, is_cell_content: false, kind: 0 }
+        Drawn { structure, stubs, cell, lattice, listed, is_cell_content: false, copies: None, kind: 0 }
+    }
+
+    /// The copy and the atom in it of an atom of the picture: those of further copies are counted on behind those of the first.
+    #[must_use]
+    pub fn own_atom(&self, atom: u32) -> Option<(u32, usize)> {
+        let count = u32::try_from(self.structure.atom_count()).ok()?;
+        let copies = self.copies.as_ref().map_or(1, |copies| copies.operations.len());
+        let copy = atom.checked_div(count)?;
+        ((copy as usize) < copies).then_some((copy, (atom % count) as usize))
+    }
+
+    /// Where an atom of the picture is, in the coordinates of its file.
+    #[must_use]
+    pub fn position(&self, atom: u32) -> Option<DVec3> {
+        let (copy, own) = self.own_atom(atom)?;
+        let point = self.structure.positions().get(own);
+        let copies = self.copies.as_ref();
+        Some(copies.map_or(point, |copies| copies.operations[copy as usize].transform_point3(point)))
+    }
+
+    /// A box around all atoms in the picture, in the coordinates of the file; the low corner is above the high one if there are none.
+    #[must_use]
+    pub fn extent(&self) -> [DVec3; 2] {
+        let positions = self.structure.positions();
+        let ends = (0..positions.len())
+            .map(|atom| positions.get(atom))
+            .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)]);
+        match &self.copies {
+            Some(copies) if !positions.is_empty() => copies.extent(ends),
+            _ => ends,
+        }
+    }
+
+    /// Atoms and bonds in the picture, all copies counted.
+    #[must_use]
+    pub fn counts(&self) -> [usize; 2] {
+        let (atoms, bonds) = (self.structure.atom_count(), self.structure.bonds());
+        match &self.copies {
+            Some(copies) => [copies.atom_count(atoms), copies.bond_count(bonds)],
+            None => [atoms, bonds.len()],
+        }
     }
 }
 
@@ -137,11 +190,19 @@ impl Drawn {
 /// 0.03 Å, and no two atoms are that close.
 const ON_FACE: f64 = 0.1;
 
+/// Atoms from which on the cells of a supercell are not copied, if they can be drawn as they are. Chosen: copies of fewer cost nothing that
+/// one would notice, and each atom has a number of its own in the file's order, cell by cell.
+pub const INSTANCES_FROM: usize = 100_000;
+
 /// Finds the bonds of the first frame and what of the structure is drawn.
 ///
 /// # Errors
 /// [`Error::Limit`] if that would be more than [`CrystalOptions::most_atoms`].
 pub fn draw(structure: Structure, options: &CrystalOptions) -> Result<Drawn> {
+    if let Some(copies) = assembly(&structure, options)? {
+        let structure = without_images(bonds::assign(structure, &options.bonds));
+        return Ok(Drawn { copies: Some(copies), ..Drawn::as_listed(structure) });
+    }
     let (choice, _) = options.choice();
     let listed = structure.atom_count();
     let (structure, original) = match choice {
@@ -152,6 +213,19 @@ pub fn draw(structure: Structure, options: &CrystalOptions) -> Result<Drawn> {
     };
     let structure = bonds::assign(structure, &options.bonds);
     place(structure, original, listed, options)
+}
+
+/// The copies of the assembly that is asked for, if the structure has it.
+fn assembly(structure: &Structure, options: &CrystalOptions) -> Result<Option<Copies>> {
+    let Some(id) = options.assembly else { return Ok(None) };
+    let Some(assembly) = structure.assembly(id.as_str()) else { return Ok(None) };
+    let copies = Copies::of_assembly(assembly, structure.atom_count());
+    let atoms = copies.atom_count(structure.atom_count());
+    if atoms > options.most_atoms {
+        let message = format!("assembly {id} has {atoms} atoms, more than {}; draw a smaller one", options.most_atoms);
+        return Err(Error::limit(None, message));
+    }
+    Ok(Some(copies))
 }
 
 impl CrystalOptions {
@@ -179,13 +253,19 @@ fn place(structure: Structure, original: Option<Vec<u32>>, listed: usize, option
     }
     let neighbours = Neighbours::new(&structure);
     let fractional = fractional_positions(&structure, &cell);
-    let mut plan = Plan::new(cell, supercell, options.most_atoms);
-    let mut is_network = false;
-    if choice == CellChoice::Asym {
-        plan.add((0..listed as u32).map(|atom| (atom, IVec3::ZERO)), &fractional, Edge::Open)?;
-    } else {
+    let molecules = match choice {
+        CellChoice::Asym => Vec::new(),
+        _ => molecules::find(&neighbours, structure.atom_count()),
+    };
+    let is_network = molecules.iter().any(|molecule| molecule.is_endless);
+    // The atoms of so many cells.
+    let plan_of = |supercell: [u32; 3]| -> Result<Plan> {
+        let mut plan = Plan::new(cell, supercell, options.most_atoms);
+        if choice == CellChoice::Asym {
+            plan.add((0..listed as u32).map(|atom| (atom, IVec3::ZERO)), &fractional, Edge::Open)?;
+        }
         let mut seen: HashSet<Vec<u32>> = HashSet::new();
-        for molecule in molecules::find(&neighbours, structure.atom_count()) {
+        for molecule in &molecules {
             if let (CellChoice::Molecule, false, Some(original)) = (choice, molecule.is_endless, &original) {
                 // Of the images of a molecule the one with a listed atom is drawn; of two such, that are images of one
                 // another since their atoms are listed here and there, the first.
@@ -195,14 +275,22 @@ fn place(structure: Structure, original: Option<Vec<u32>>, listed: usize, option
                     continue;
                 }
             }
-            is_network |= molecule.is_endless;
-            let (copies, edge) = copies(&molecule, &fractional, &cell, choice);
+            let (copies, edge) = copies(molecule, &fractional, &cell, choice);
             plan.add(copies.into_iter(), &fractional, edge)?;
         }
-    }
-    plan.atoms.sort_unstable_by_key(|&(atom, shift)| (shift != IVec3::ZERO, shift.to_array(), atom));
-    plan.atoms.dedup();
-    let mut drawn = plan.build(&structure, &neighbours, &fractional);
+        plan.sort();
+        Ok(plan)
+    };
+    let mut drawn = match several {
+        true => match plan_of([1; 3])?.as_instances(supercell, &neighbours)? {
+            Some((unit, copies)) => {
+                let unit = unit.build(&structure, &neighbours, &fractional);
+                Drawn { copies: Some(copies), cell: supercell_of(&cell, supercell), ..unit }
+            }
+            None => plan_of(supercell)?.build(&structure, &neighbours, &fractional),
+        },
+        false => plan_of(supercell)?.build(&structure, &neighbours, &fractional),
+    };
     if let Some(original) = original {
         drawn.listed.iter_mut().for_each(|atom| *atom = original[*atom as usize]);
     }
@@ -253,6 +341,30 @@ impl Plan {
         Plan { cell, supercell, most_atoms, atoms: Vec::new() }
     }
 
+    /// Brings the atoms in order, each once.
+    fn sort(&mut self) {
+        self.atoms.sort_unstable_by_key(|&(atom, shift)| (shift != IVec3::ZERO, shift.to_array(), atom));
+        self.atoms.dedup();
+    }
+
+    /// This cell, and where it stands in a supercell, if that is so large that it should not be copied and no bond leaves it.
+    fn as_instances(self, supercell: [u32; 3], neighbours: &Neighbours) -> Result<Option<(Plan, Copies)>> {
+        let cells = supercell.iter().fold(1usize, |all, &count| all.saturating_mul(count as usize));
+        if self.atoms.len().saturating_mul(cells) < INSTANCES_FROM {
+            return Ok(None);
+        }
+        let all: HashSet<(u32, IVec3)> = self.atoms.iter().copied().collect();
+        let stays = |&(atom, shift): &(u32, IVec3)| {
+            neighbours.of(atom).all(|(other, step, _)| all.contains(&(other, shift + step)))
+        };
+        if !self.atoms.iter().all(stays) {
+            return Ok(None);
+        }
+        check_room(self.atoms.len().saturating_mul(cells), supercell, self.most_atoms)?;
+        let copies = Copies::of_cells(cells_of(supercell), self.cell.vectors());
+        Ok(Some((self, copies)))
+    }
+
     /// Adds these copies in every cell of the supercell.
     fn add(
         &mut self,
@@ -262,14 +374,7 @@ impl Plan {
     ) -> Result<()> {
         let cells = self.supercell.iter().fold(1usize, |all, &count| all.saturating_mul(count as usize));
         let wanted = self.atoms.len().saturating_add(copies.len().saturating_mul(cells));
-        if wanted > self.most_atoms {
-            let [a, b, c] = self.supercell;
-            let message = format!(
-                "{a}x{b}x{c} cells would be more than {} atoms; ask for fewer with --supercell",
-                self.most_atoms
-            );
-            return Err(Error::limit(None, message));
-        }
+        check_room(wanted, self.supercell, self.most_atoms)?;
         let margin = face_margin(&self.cell);
         let ends = DVec3::from_array(self.supercell.map(f64::from));
         for (atom, shift) in copies {
@@ -296,9 +401,8 @@ impl Plan {
     /// The structure of the copies, the bonds among them, and those that are cut.
     fn build(self, structure: &Structure, neighbours: &Neighbours, fractional: &[DVec3]) -> Drawn {
         let from_fractional = self.cell.cartesian_from_fractional();
-        let [a, b, c] = self.cell.vectors();
         let [na, nb, nc] = self.supercell.map(f64::from);
-        let whole = Cell::from_vectors(a * na, b * nb, c * nc);
+        let whole = supercell_of(&self.cell, self.supercell);
         let sources: Vec<(u32, DVec3)> = (self.atoms.iter())
             .map(|&(atom, shift)| (atom, structure.positions().get(atom as usize) + from_fractional * shift.as_dvec3()))
             .collect();
@@ -336,8 +440,23 @@ impl Plan {
         }
         let listed = sources.iter().map(|&(atom, _)| atom).collect();
         let structure = structure.gather(&sources, whole).with_bonds(bonds);
-        Drawn { structure, stubs, cell: whole, lattice, listed, is_cell_content: false, kind: 0 }
+        Drawn { structure, stubs, cell: whole, lattice, listed, is_cell_content: false, copies: None, kind: 0 }
     }
+}
+
+/// The box of all cells.
+fn supercell_of(cell: &Cell, supercell: [u32; 3]) -> Option<Cell> {
+    let [a, b, c] = cell.vectors();
+    let [na, nb, nc] = supercell.map(f64::from);
+    Cell::from_vectors(a * na, b * nb, c * nc)
+}
+
+fn check_room(wanted: usize, [a, b, c]: [u32; 3], most_atoms: usize) -> Result<()> {
+    if wanted <= most_atoms {
+        return Ok(());
+    }
+    let message = format!("{a}x{b}x{c} cells would be more than {most_atoms} atoms; ask for fewer with --supercell");
+    Err(Error::limit(None, message))
 }
 
 /// The part of the way from a point to another up to where it leaves the box from 0 to `size`; half of the way from a

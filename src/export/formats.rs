@@ -72,6 +72,8 @@ pub enum Part {
     SpaceGroup,
     /// Symmetry operations.
     SymmetryOperations,
+    /// Biological assemblies.
+    Assemblies,
     /// Bonds inside residues by the names of their atoms.
     Components,
     /// Atom names.
@@ -110,7 +112,7 @@ pub enum Part {
 
 impl Part {
     /// All of them.
-    pub const ALL: [Part; 30] = [
+    pub const ALL: [Part; 31] = [
         Part::Title,
         Part::FrameTitles,
         Part::Frames,
@@ -124,6 +126,7 @@ impl Part {
         Part::FrameCells,
         Part::SpaceGroup,
         Part::SymmetryOperations,
+        Part::Assemblies,
         Part::Components,
         Part::AtomNames,
         Part::Serials,
@@ -160,6 +163,7 @@ impl Part {
             Part::FrameCells => "cells of further frames",
             Part::SpaceGroup => "space groups",
             Part::SymmetryOperations => "symmetry operations",
+            Part::Assemblies => "biological assemblies",
             Part::Components => "lists of residues' bonds",
             Part::AtomNames => "atom names",
             Part::Serials => "serial numbers",
@@ -200,6 +204,7 @@ impl Part {
             Part::FrameCells => structure.frames().iter().any(|frame| frame.cell.as_ref() != structure.cell()),
             Part::SpaceGroup => structure.symmetry().is_some_and(|symmetry| !symmetry.space_group.is_empty()),
             Part::SymmetryOperations => structure.symmetry().is_some_and(|symmetry| !symmetry.operations.is_empty()),
+            Part::Assemblies => !structure.assemblies().is_empty(),
             Part::Components => !structure.components().is_empty(),
             // The name of what has no element says of which sort it is, in place of a symbol.
             Part::AtomNames => {

@@ -14,6 +14,8 @@
 //!
 //! Positions have three decimals; one that does not fit its eight columns is an error.
 
+mod assembly;
+
 use super::formats::{Part, StructureFormat};
 use super::text::symbol_with_isotope;
 use super::text::{
@@ -39,6 +41,7 @@ pub static FORMAT: StructureFormat = StructureFormat {
         Part::FrameCells,
         Part::SpaceGroup,
         Part::SymmetryOperations,
+        Part::Assemblies,
         Part::AtomNames,
         Part::Serials,
         Part::Residues,
@@ -84,6 +87,8 @@ fn limits(structure: &Structure) -> Vec<&'static str> {
         ),
         (cells().any(rounded), "digits of the cell"),
         (cells().any(|cell| !is_standard(cell)), "the orientation of the cell"),
+        (assembly::is_rounded(structure), "digits of the matrices of assemblies"),
+        (!assembly::is_whole(structure), "assemblies of parts of chains (left out)"),
     ];
     found.into_iter().filter(|(found, _)| *found).map(|(_, phrase)| phrase).collect()
 }
@@ -95,6 +100,7 @@ fn limits(structure: &Structure) -> Vec<&'static str> {
 pub fn write(records: &[Structure], out: &mut dyn Write) -> io::Result<()> {
     let Some(first) = records.first() else { return Ok(()) };
     write_title(&one_line(super::formats::title(first)), out)?;
+    assembly::write(first, out)?;
     for structure in records {
         write_secondary(structure, out)?;
     }

@@ -1,20 +1,38 @@
 //! What is under the pointer: one ray against all primitives, through a hierarchy of their boxes.
 //!
-//! The same intersections as in the picture, in world space, so that a pick costs the logarithm of the scene and needs neither a picture
-//! nor a device. What is mostly see-through (below an opacity of a half) is looked through, as in the channel of ids.
+//! The same intersections as in the picture, so that a pick costs the logarithm of the scene and needs neither a picture
+//! nor a device. The primitives of a block are kept once, in its own space, however often it is placed: the ray is brought there, through a hierarchy of the
+//! placements' boxes. What is mostly see-through (below an opacity of a half) is looked through, as in the channel of ids.
 
 use super::View;
 use super::cpu::intersect::primitive_t;
 use super::hierarchy::Hierarchy;
 use super::solids::Solids;
-use crate::scene::{Ray, Scene};
+use crate::math::Aabb;
+use crate::scene::{Placement, Ray, Scene};
 use glam::{Affine3A, Vec3};
 
 /// Answers what is seen along a ray.
 #[derive(Debug)]
 pub struct Picker {
+    blocks: Vec<Own>,
+    placed: Vec<Placed>,
+    hierarchy: Hierarchy,
+}
+
+/// A block in its own space.
+#[derive(Debug)]
+struct Own {
     solids: Solids,
     hierarchy: Hierarchy,
+}
+
+/// Where one stands.
+#[derive(Debug)]
+struct Placed {
+    block: usize,
+    block_from_world: Affine3A,
+    first_id: u32,
 }
 
 /// What a ray meets first.
@@ -32,9 +50,28 @@ impl Picker {
     /// For the primitives of a scene.
     #[must_use]
     pub fn new(scene: &Scene) -> Picker {
-        let solids = Solids::new(scene, Affine3A::IDENTITY);
-        let hierarchy = Hierarchy::new(&solids.bounds());
-        Picker { solids, hierarchy }
+        let own = |block: usize| {
+            let mut alone = scene.clone();
+            alone.placements = vec![Placement { block, world_from_block: Affine3A::IDENTITY, first_id: 0 }];
+            let solids = Solids::new(&alone, Affine3A::IDENTITY);
+            let hierarchy = Hierarchy::new(&solids.bounds());
+            Own { solids, hierarchy }
+        };
+        let blocks: Vec<Own> = (0..scene.blocks.len()).map(own).collect();
+        let (placed, boxes): (Vec<Placed>, Vec<Aabb>) = (scene.placements.iter())
+            .filter_map(|placement| {
+                let bounds = blocks[placement.block].hierarchy.boxes.last()?;
+                let world_from_block = placement.world_from_block;
+                let placed = Placed {
+                    block: placement.block,
+                    block_from_world: world_from_block.inverse(),
+                    first_id: placement.first_id,
+                };
+                Some((placed, moved(bounds, &world_from_block)))
+            })
+            .unzip();
+        let hierarchy = Hierarchy::new(&boxes);
+        Picker { blocks, placed, hierarchy }
     }
 
     /// What is seen at a point of the picture, in pixels from its upper left corner; `None` for ground and background.
@@ -47,25 +84,46 @@ impl Picker {
             origin: camera.eye + camera.world_from_view * in_view.origin,
             direction: camera.world_from_view * in_view.direction,
         };
-        let inverse = ray.direction.recip();
+        // The id and the depth of what is nearest so far.
         let mut best: (f32, Option<u32>) = (f32::INFINITY, None);
-        self.hierarchy.visit(
-            &mut best,
-            |best, bounds| {
-                let (near, far) = bounds.slab(ray.origin, inverse)?;
+        let enter = |ray: &Ray| {
+            let (origin, inverse) = (ray.origin, ray.direction.recip());
+            move |best: &(f32, Option<u32>), bounds: &Aabb| {
+                let (near, far) = bounds.slab(origin, inverse)?;
                 (far >= camera.near && near < best.0).then_some(near)
-            },
-            |best, index| {
-                let t = primitive_t(&ray, &self.solids, index as usize, camera.near);
+            }
+        };
+        self.hierarchy.visit(&mut best, enter(&ray), |best, number| {
+            let placed = &self.placed[number as usize];
+            let own = &self.blocks[placed.block];
+            // Motions that keep distances keep the depth as well.
+            let ray = Ray {
+                origin: placed.block_from_world.transform_point3(ray.origin),
+                direction: placed.block_from_world.transform_vector3(ray.direction),
+            };
+            own.hierarchy.visit(best, enter(&ray), |best, index| {
+                let t = primitive_t(&ray, &own.solids, index as usize, camera.near);
                 // Through what is see-through by more than a half one picks what is behind it, as ids have it.
-                if t < best.0 && self.solids.is_drawn(index as usize, 0, 1) {
-                    *best = (t, Some(index));
+                if t < best.0 && own.solids.is_drawn(index as usize, 0, 1) {
+                    *best = (t, Some(placed.first_id.saturating_add(own.solids.id(index as usize))));
                 }
-            },
-        );
-        let (depth, index) = (best.0, best.1?);
-        Some(Hit { id: self.solids.id(index as usize), depth, point: ray.origin + ray.direction * depth })
+            });
+        });
+        let (depth, id) = (best.0, best.1?);
+        Some(Hit { id, depth, point: ray.origin + ray.direction * depth })
     }
+}
+
+/// A box around a box that was moved.
+fn moved(bounds: &Aabb, to: &Affine3A) -> Aabb {
+    let (middle, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
+    let middle = to.transform_point3(middle);
+    let along = |axis: glam::Vec3A, length: f32| Vec3::from(axis.abs()) * length;
+    let matrix = &to.matrix3;
+    let reach = along(matrix.x_axis, half.x) + along(matrix.y_axis, half.y) + along(matrix.z_axis, half.z);
+    // Rounding must not cut what lies on its faces.
+    let reach = reach + (middle.abs() + reach) * 1e-5;
+    Aabb { min: middle - reach, max: middle + reach }
 }
 
 #[cfg(test)]
@@ -106,6 +164,35 @@ mod tests {
             // A ray through the very edge of a primitive may be decided by the last bit.
             assert!(covered > 300 && agree >= 5400 - 5, "{covered} {agree}");
         }
+    }
+
+    #[test]
+    fn copies_are_picked_where_they_stand() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/caffeine.sdf");
+        let document = crate::import::read_path(&path, &Default::default()).unwrap();
+        let molecule = crate::bonds::assign(document.records[0].clone(), &Default::default());
+        let mut assembly = crate::structure::Assembly::new("1", "");
+        let mirror =
+            glam::DAffine3 { translation: glam::DVec3::Z * 9.0, ..glam::DAffine3::from_scale((1.0, 1.0, -1.0).into()) };
+        let turn = glam::DAffine3 { translation: glam::DVec3::X * 8.0, ..glam::DAffine3::from_rotation_y(1.1) };
+        assembly.push(vec![0..24], &[glam::DAffine3::IDENTITY, turn, mirror]);
+        let copies = crate::crystal::Copies::of_assembly(&assembly, molecule.atom_count());
+        let item = Item { copies: Some(&copies), ..Item::of(&molecule) };
+        let scene = Arc::new(Scene::new(&[item], &SceneOptions::default()));
+        let picker = Picker::new(&scene);
+        assert_eq!((picker.blocks.len(), picker.placed.len()), (1, 3));
+        let view = View::new(scene.fitted_camera(1.5), 120, 80);
+        let mut renderer = CpuRenderer::new();
+        renderer.load(Arc::clone(&scene)).unwrap();
+        let seen = renderer.gbuffer(&view).unwrap();
+        let (mut agree, mut copies) = (0, std::collections::HashSet::new());
+        for (pixel, &id) in seen.id.iter().enumerate() {
+            let hit = picker.pick(&view, [(pixel % 120) as f32 + 0.5, (pixel / 120) as f32 + 0.5]);
+            let id = if id == GBuffer::GROUND { GBuffer::BACKGROUND } else { id };
+            agree += usize::from(hit.map_or(GBuffer::BACKGROUND, |hit| hit.id) == id);
+            copies.extend(scene.item_of(id).map(|(_, copy, _)| copy));
+        }
+        assert!(agree >= seen.id.len() - 20 && copies.len() == 3, "{agree} {copies:?}");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::aromatic::Aromatic;
 use super::axes::{self, Axes};
 use super::chosen::{self, BySelection, Chosen};
 use super::coloring::ColorBy;
+use super::copies::{self, ItemIds};
 use super::light::{Background, DepthOfField, Ground, LightFrame, Lighting};
 use super::look::Look;
 use super::measure::{self, Measurement};
@@ -11,10 +12,10 @@ use super::overlay::{self, OverlayOptions};
 use super::vectors::{self, VectorChoice};
 use super::{Block, Placement, Scene, Style, block, cell_box, fit, meshes, wedges};
 use crate::color::Srgb8;
-use crate::crystal::{Drawn, Stub};
+use crate::crystal::{Copies, Drawn, Stub};
 use crate::math::{Aabb, direction_or};
 use crate::structure::{Cell, Mesh, Structure};
-use glam::{Affine3A, DVec3, Mat3, Quat, Vec3};
+use glam::{Affine3A, DAffine3, DVec3, Mat3, Quat, Vec3};
 use std::sync::Arc;
 
 /// A structure and where it stands.
@@ -30,6 +31,8 @@ pub struct Item<'a> {
     pub lattice: &'a [bool],
     /// For every atom which one of its file it is, from 0; empty if all are as listed.
     pub listed: &'a [u32],
+    /// Where its atoms stand; `None` for once, where they are.
+    pub copies: Option<&'a Copies>,
     /// The cell to be drawn around it, a corner at the file's origin.
     pub cell_box: Option<&'a Cell>,
     /// The place of its file among all, from 1, for selections; `None` for its place among the items.
@@ -48,6 +51,7 @@ impl<'a> Item<'a> {
             stubs: &[],
             lattice: &[],
             listed: &[],
+            copies: None,
             cell_box: None,
             file: None,
             kind: 0,
@@ -64,6 +68,7 @@ impl<'a> Item<'a> {
             stubs: &drawn.stubs,
             lattice: &drawn.lattice,
             listed: &drawn.listed,
+            copies: drawn.copies.as_ref(),
             cell_box: cell,
             file: None,
             kind: drawn.kind,
@@ -262,30 +267,54 @@ fn build(items: &[Item<'_>], options: &SceneOptions, rig: &Rig) -> Scene {
     let mut blocks = Vec::with_capacity(items.len());
     let mut placements = Vec::with_capacity(items.len());
     let mut next_id = 0u32;
-    let mut place = |block: Block, shift: DVec3| {
-        placements.push(Placement {
-            block: blocks.len(),
-            world_from_block: Affine3A::from_translation(shift.as_vec3()),
-            first_id: next_id,
-        });
-        next_id = next_id.saturating_add(block.id_count);
-        blocks.push(block);
-        blocks.len() - 1
+    // Each block in some copies of its own, `id_count` ids apart.
+    let mut place = |own: Vec<(Block, Vec<(u32, Affine3A)>)>, (id_count, copies): (u32, u32), atoms: u32| {
+        let (first_id, first) = (next_id, placements.len());
+        for (block, places) in own {
+            placements.extend(places.into_iter().map(|(copy, world_from_block)| Placement {
+                block: blocks.len(),
+                world_from_block,
+                first_id: first_id.saturating_add(copy.saturating_mul(id_count)),
+            }));
+            blocks.push(block);
+        }
+        next_id = next_id.saturating_add(id_count.saturating_mul(copies));
+        ItemIds { first_id, id_count, atoms, copies, placements: first..placements.len() }
+    };
+    let alone = |block: Block, shift: DVec3| {
+        let count = (block.id_count, 1);
+        (vec![(block, vec![(0, Affine3A::from_translation(shift.as_vec3()))])], count)
     };
     let mut places = Vec::with_capacity(items.len());
     let scales = vectors::vector_scales(items, options);
     for (item, rig) in items.iter().zip(&rig.items) {
-        let shift = item.structure.positions().origin() - center + item.offset.as_dvec3();
+        let origin = item.structure.positions().origin();
+        let offset = item.offset.as_dvec3() - center;
+        let shift = origin + offset;
         let mut block = rig.pose(item, options);
         vectors::draw(&mut block, item.structure, options, &scales);
-        places.push((item, place(block, shift)));
+        let atoms = u32::try_from(item.structure.atom_count()).unwrap_or(u32::MAX);
+        let (own, count) = match item.copies {
+            None => alone(block, shift),
+            Some(copies) => {
+                let count = (block.id_count, u32::try_from(copies.operations.len()).unwrap_or(u32::MAX));
+                let there = |number: u32| {
+                    let operation = copies.operations.get(number as usize).unwrap_or(&DAffine3::IDENTITY);
+                    (number, copies::world_from_block(operation, origin, offset))
+                };
+                let own = copies::blocks(block, item.structure, copies).into_iter();
+                (own.map(|(block, numbers)| (block, numbers.into_iter().map(there).collect())).collect(), count)
+            }
+        };
+        places.push((item, place(own, count, atoms)));
         if let Some(cell) = item.cell_box {
-            let corner = -item.structure.positions().origin().as_vec3();
-            place(cell_box::block(cell, corner), shift);
+            let (own, count) = alone(cell_box::block(cell, -origin.as_vec3()), shift);
+            place(own, count, 0);
         }
     }
     for mesh in &options.overlay {
-        place(meshes::block(mesh, center, options), DVec3::ZERO);
+        let (own, count) = alone(meshes::block(mesh, center, options), DVec3::ZERO);
+        place(own, count, 0);
     }
     let mut scene = Scene::from_blocks(blocks, placements);
     let (turn, pitch) = match options.orientation {
@@ -320,7 +349,7 @@ fn build(items: &[Item<'_>], options: &SceneOptions, rig: &Rig) -> Scene {
     }
     scene.pose = Pose { center, turn, pitch_rad: pitch };
     scene.unmatched.clone_from(&rig.unmatched);
-    scene.items = places.iter().map(|&(_, at)| at).collect();
+    scene.items = places.iter().map(|(_, ids)| ids.clone()).collect();
     scene.bounds = scene.find_bounds();
     if options.axes {
         add_axes(&mut scene, items, center, turn, next_id);
@@ -411,9 +440,12 @@ fn common_center(items: &[Item<'_>]) -> DVec3 {
         let positions = item.structure.positions();
         let bounds = positions.relative().iter().fold(Aabb::EMPTY, |bounds, &p| bounds.union(Aabb::of_sphere(p, 0.0)));
         if !bounds.is_empty() {
-            let shift = positions.origin() + item.offset.as_dvec3();
-            low = low.min(bounds.min.as_dvec3() + shift);
-            high = high.max(bounds.max.as_dvec3() + shift);
+            let mut own = [bounds.min, bounds.max].map(|corner| corner.as_dvec3() + positions.origin());
+            if let Some(copies) = item.copies {
+                own = copies.extent(own);
+            }
+            low = low.min(own[0] + item.offset.as_dvec3());
+            high = high.max(own[1] + item.offset.as_dvec3());
         }
     }
     if low.cmple(high).all() { (low + high) * 0.5 } else { DVec3::ZERO }

@@ -14,7 +14,7 @@ use glam::{DVec3, Vec3};
 pub struct AtomPlace {
     /// Which structure, from 0.
     pub item: u32,
-    /// Which of its atoms, from 0.
+    /// Which of its atoms, from 0; those of further copies are counted on.
     pub atom: u32,
 }
 
@@ -173,6 +173,6 @@ mod tests {
         assert!((middle.length() - 1.6).abs() < 1e-4 && (middle.dot(u) - middle.dot(v)).abs() < 1e-4);
         // Their ids are nobody else's.
         assert_eq!(scene.item_of(scene.placements[1].first_id + 1), None);
-        assert_eq!(scene.item_of(2), Some((0, 1)));
+        assert_eq!(scene.item_of(2), Some((0, 0, 1)));
     }
 }

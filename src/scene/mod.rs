@@ -14,6 +14,7 @@ mod camera;
 mod cell_box;
 mod chosen;
 mod coloring;
+mod copies;
 mod dashes;
 pub mod fit;
 mod halo;
@@ -37,6 +38,7 @@ pub use build::{AltlocChoice, Item, Orientation, Pose, Rig, SceneOptions};
 pub use camera::{Camera, PixelGrid, Projection, Ray, Region};
 pub use chosen::BySelection;
 pub use coloring::ColorBy;
+pub use copies::ItemIds;
 pub use instances::{Cap, CylinderInstance, SphereInstance};
 pub use light::{Background, DepthOfField, Ground, LightFrame, Lighting, Outline};
 pub use look::Look;
@@ -49,6 +51,7 @@ pub use viewpoint::Viewpoint;
 
 use crate::math::Aabb;
 use glam::{Affine3A, DVec3, Quat, Vec3};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Primitives in a space of their own.
@@ -104,8 +107,8 @@ pub struct Scene {
     pub axes: Option<Axes>,
     /// How coordinates of the files became those of the world.
     pub pose: Pose,
-    /// Index into [`Scene::placements`] of every structure that the scene was built from.
-    pub items: Vec<usize>,
+    /// What is what of every structure that the scene was built from.
+    pub items: Vec<ItemIds>,
     /// The flags whose selections find no atom, such as `--hide chain Q`.
     pub unmatched: Vec<String>,
     bounds: Aabb,
@@ -156,6 +159,19 @@ impl Scene {
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.bounds
+    }
+
+    /// Bytes that its primitives and placements have set aside: 24 a ball, 48 a stick, each once however often it is placed.
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        let block = |block: &Block| {
+            block.spheres.capacity() * size_of::<SphereInstance>()
+                + block.cylinders.capacity() * size_of::<CylinderInstance>()
+                + block.cones.capacity() * size_of::<ConeInstance>()
+                + block.tori.capacity() * size_of::<TorusInstance>()
+                + block.triangles.capacity() * size_of::<TriangleInstance>()
+        };
+        self.blocks.iter().map(block).sum::<usize>() + self.placements.capacity() * size_of::<Placement>()
     }
 
     /// Number of spheres drawn, over all placements.
@@ -226,22 +242,17 @@ impl Scene {
         Camera { target: middle, ..camera }
     }
 
-    /// The structure and the number in it, from 0, of the atom or bond of an id: first all atoms, then the bonds. `None` for what is
-    /// no structure's.
+    /// The structure, its copy and the number in it, all from 0, of the atom or bond of an id: first all atoms, then the bonds. `None` for
+    /// what is no structure's.
     #[must_use]
-    pub fn item_of(&self, id: u32) -> Option<(usize, u32)> {
-        self.items.iter().enumerate().find_map(|(item, &at)| {
-            let placement = self.placements.get(at)?;
-            let own = id.checked_sub(placement.first_id)?.checked_sub(1)?;
-            (own < self.blocks[placement.block].id_count).then_some((item, own))
-        })
+    pub fn item_of(&self, id: u32) -> Option<(usize, u32, u32)> {
+        self.items.iter().enumerate().find_map(|(item, ids)| ids.own(id).map(|(copy, own)| (item, copy, own)))
     }
 
     /// The id of an atom of a structure.
     #[must_use]
     pub fn id_of(&self, AtomPlace { item, atom }: AtomPlace) -> Option<u32> {
-        let placement = self.placements.get(*self.items.get(item as usize)?)?;
-        placement.first_id.checked_add(atom)?.checked_add(1)
+        self.items.get(item as usize)?.id_of(atom)
     }
 
     /// Centre and radius of the ball of an id, world space; `None` if there is none.
@@ -273,30 +284,27 @@ impl Scene {
     }
 
     fn find_bounds(&self) -> Aabb {
-        let mut bounds = Aabb::EMPTY;
-        for placement in &self.placements {
-            let block = &self.blocks[placement.block];
-            let to_world = |p: [f32; 3]| placement.world_from_block.transform_point3(p.into());
-            for sphere in &block.spheres {
-                bounds = bounds.union(Aabb::of_sphere(to_world(sphere.center), sphere.radius));
-            }
-            for stick in &block.cylinders {
-                bounds = bounds.union(Aabb::of_sphere(to_world(stick.a), stick.radius));
-                bounds = bounds.union(Aabb::of_sphere(to_world(stick.b), stick.radius));
-            }
-            for cone in &block.cones {
-                bounds = bounds.union(Aabb::of_sphere(to_world(cone.a), cone.radius_a));
-                bounds = bounds.union(Aabb::of_sphere(to_world(cone.b), cone.radius_b));
-            }
-            for torus in &block.tori {
-                let axis = placement.world_from_block.transform_vector3(torus.axis.into()).to_array();
-                let torus = TorusInstance { center: to_world(torus.center).to_array(), axis, ..*torus };
-                bounds = bounds.union(torus.bounds());
-            }
-            for corner in block.triangles.iter().flat_map(|triangle| triangle.corners) {
-                bounds = bounds.union(Aabb::of_sphere(to_world(corner), 0.0));
-            }
+        self.placements.par_iter().map(|placement| self.bounds_of(placement)).reduce(|| Aabb::EMPTY, Aabb::union)
+    }
+
+    fn bounds_of(&self, placement: &Placement) -> Aabb {
+        let block = &self.blocks[placement.block];
+        let to_world = |p: [f32; 3]| placement.world_from_block.transform_point3(p.into());
+        let ball = |center: [f32; 3], radius: f32| Aabb::of_sphere(to_world(center), radius);
+        let spheres = block.spheres.par_iter().with_min_len(4096).map(|sphere| ball(sphere.center, sphere.radius));
+        let sticks = block.cylinders.par_iter().with_min_len(4096);
+        let sticks = sticks.map(|stick| ball(stick.a, stick.radius).union(ball(stick.b, stick.radius)));
+        let mut bounds = spheres.chain(sticks).reduce(|| Aabb::EMPTY, Aabb::union);
+        for cone in &block.cones {
+            bounds = bounds.union(ball(cone.a, cone.radius_a)).union(ball(cone.b, cone.radius_b));
         }
-        bounds
+        for torus in &block.tori {
+            let axis = placement.world_from_block.transform_vector3(torus.axis.into()).to_array();
+            let torus = TorusInstance { center: to_world(torus.center).to_array(), axis, ..*torus };
+            bounds = bounds.union(torus.bounds());
+        }
+        let corners = block.triangles.par_iter().with_min_len(4096).flat_map_iter(|triangle| triangle.corners);
+        let corners = corners.map(|corner| ball(corner, 0.0)).reduce(|| Aabb::EMPTY, Aabb::union);
+        bounds.union(corners)
     }
 }

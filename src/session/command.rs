@@ -111,6 +111,7 @@ impl Session {
         // What is said or not.
         let mut flag = |name, value: Option<String>| flags.extend(value.map(|value| (name, Some(value))));
         let text = |value: Option<f32>| value.map(|value| value.to_string());
+        flag("assembly", self.assembly.clone());
         flag("fog", text(self.fog));
         flag("outline", text(self.outline));
         flag("outline-color", self.outline_color.clone());

@@ -16,7 +16,7 @@ pub use command::Flag;
 pub use picture::Picture;
 
 use crate::bonds::{BondMode, BondOptions};
-use crate::crystal::{BondsPerFrame, CellChoice, CrystalOptions};
+use crate::crystal::{AssemblyId, BondsPerFrame, CellChoice, CrystalOptions};
 use crate::error::{Error, Result};
 use crate::export::atomic;
 use crate::import::trajectory::Input;
@@ -173,6 +173,9 @@ pub struct Session {
     pub cell: String,
     /// `--supercell`.
     pub supercell: [u32; 3],
+    /// `--assembly`; `null` for none.
+    #[serde(default)]
+    pub assembly: Option<String>,
     /// `--cell-box`, `--no-cell-box`; `null` leaves it to what is drawn.
     pub cell_box: Option<bool>,
     /// `--overlay`.
@@ -303,6 +306,7 @@ impl Session {
             bonds_per_frame: crystal.bonds_per_frame.name().to_owned(),
             cell: crystal.cell.name().to_owned(),
             supercell: crystal.supercell,
+            assembly: crystal.assembly.map(|id| id.to_string()),
             cell_box: *cell_box,
             overlay: Vec::new(),
             overlay_opacity: scene.overlay_opacity,
@@ -413,11 +417,18 @@ impl Session {
             bonds_per_frame: named("bonds_per_frame", &self.bonds_per_frame, BondsPerFrame::from_name, per_frame)?,
             cell: named("cell", &self.cell, CellChoice::from_name, &CellChoice::ALL.map(CellChoice::name))?,
             supercell: self.supercell,
+            assembly: self.assembly()?,
             bonds: BondOptions { mode, hydrogen_bonds: self.hbonds, ..BondOptions::default() },
             ..CrystalOptions::default()
         };
         let quality = named("quality", &self.quality, Quality::from_name, &Quality::ALL.map(Quality::name))?;
         Ok(Settings { scene, crystal, cell_box: self.cell_box, quality, viewpoint })
+    }
+
+    fn assembly(&self) -> Result<Option<AssemblyId>> {
+        let Some(text) = &self.assembly else { return Ok(None) };
+        let expected = format!("the id of an assembly, of 1 to {} letters", AssemblyId::MOST);
+        AssemblyId::new(text).map(Some).ok_or_else(|| wrong("assembly", text, &expected))
     }
 
     fn by_selection(&self) -> Result<BySelection> {

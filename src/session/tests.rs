@@ -52,6 +52,7 @@ fn settings() -> Settings {
         crystal: CrystalOptions {
             cell: CellChoice::Full,
             supercell: [2, 1, 3],
+            assembly: AssemblyId::new("PAU"),
             bonds: BondOptions { mode: BondMode::Perceive, hydrogen_bonds: true, ..BondOptions::default() },
             ..CrystalOptions::default()
         },
@@ -125,6 +126,7 @@ fn what_means_nothing_is_refused_with_what_is_meant() {
     assert!(Session::parse(good.to_string().as_bytes(), Path::new("")).is_ok());
     assert!(refused("style", "cartoon".into()).contains("style: found \"cartoon\", expected one of ball-and-stick, "));
     assert!(refused("supercell", serde_json::json!([1, 0, 1])).contains("from 1 to 10000"));
+    assert!(refused("assembly", "".into()).contains("id of an assembly"));
     assert!(refused("camera", "here".into()).contains("sixteen or twenty-one numbers"));
     assert!(refused("label", serde_json::json!(["colour"])).contains("element, index"));
     assert!(refused("colour", "red".into()).contains("unknown field `colour`"));
@@ -170,6 +172,7 @@ fn the_command_line_says_what_is_not_usual() {
         "--background transparent",
         "--label element,index --label-size 1.5",
         "--supercell 2x1x3",
+        "--assembly PAU",
         "--measure 5,2:7 --camera ",
         "--show 'chain A or ligand' --hide 'file 1 and index 1-3' --hide water --label-only 'name CA'",
         "--style ligand=space-filling --color 'bfactor = 30=#ff0000' --ball-scale 1.5 --stick-scale 0.5",

@@ -440,7 +440,7 @@ impl StructureBuilder {
                 Some(StereoMark { bond: u32::try_from(index).ok()?, from, stereo })
             })
             .collect();
-        Structure {
+        let mut structure = Structure {
             title: self.title,
             names: self.names,
             element: self.element,
@@ -463,9 +463,12 @@ impl StructureBuilder {
             frames,
             secondary: self.secondary,
             symmetry: self.symmetry,
+            assemblies: Vec::new(),
             components: self.components,
             properties: self.properties,
-        }
+        };
+        structure.shrink();
+        structure
     }
 }
 

@@ -59,6 +59,7 @@ impl Structure {
             frames: vec![Frame { positions, cell, title, vectors, time_ps }],
             secondary: Vec::new(),
             symmetry: None,
+            assemblies: Vec::new(),
             components: self.components.clone(),
             properties: self.properties.clone(),
         }

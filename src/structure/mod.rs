@@ -5,6 +5,7 @@
 //! charges in units of the elementary charge. Columns a file does not have are empty and their accessors
 //! give the stated default, so that an XYZ file does not pay for what only PDB files have.
 
+mod assembly;
 mod bond;
 mod builder;
 mod by_atom;
@@ -13,12 +14,14 @@ mod component;
 mod diagnostic;
 mod expand;
 mod gather;
+mod memory;
 mod mesh;
 mod names;
 mod positions;
 mod subset;
 mod symmetry;
 
+pub use assembly::{Assembly, AssemblyPart, is_rigid};
 pub use bond::{Bond, BondKind, BondOrder, BondSource, StatedBonds};
 pub(crate) use builder::AtomColumns;
 pub use builder::{AtomRecord, StructureBuilder};
@@ -147,6 +150,7 @@ pub struct Structure {
     pub(crate) frames: Vec<Frame>,
     pub(crate) secondary: Vec<SecondaryElement>,
     pub(crate) symmetry: Option<Symmetry>,
+    pub(crate) assemblies: Vec<Assembly>,
     pub(crate) components: Vec<ComponentBonds>,
     pub(crate) properties: Vec<(String, String)>,
 }
@@ -373,6 +377,7 @@ impl Structure {
     #[must_use]
     pub fn with_bonds(mut self, bonds: Vec<Bond>) -> Structure {
         let old = std::mem::replace(&mut self.bonds, bond::normalise(bonds, self.element.len()));
+        self.bonds.shrink_to_fit();
         let bonds = &self.bonds;
         self.bond_stereo = (self.bond_stereo.iter())
             .filter_map(|mark| {
@@ -430,6 +435,7 @@ impl Structure {
             frames: vec![frame],
             secondary: self.secondary.clone(),
             symmetry: self.symmetry.clone(),
+            assemblies: self.assemblies.clone(),
             components: self.components.clone(),
             properties: self.properties.clone(),
         }

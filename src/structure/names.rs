@@ -36,6 +36,13 @@ impl Names {
         self.texts.get(id.0 as usize).map_or("", |text| text)
     }
 
+    /// Bytes set aside, about.
+    pub(super) fn memory(&self) -> usize {
+        let texts: usize = self.texts.iter().map(|text| text.len() + size_of::<Box<str>>()).sum();
+        let long: usize = self.long.keys().map(|text| text.len()).sum();
+        texts + long + self.short.capacity() * 17 + self.long.capacity() * 25
+    }
+
     /// All texts, by their ids.
     pub(crate) fn texts(&self) -> impl Iterator<Item = &str> {
         self.texts.iter().map(|text| &**text)

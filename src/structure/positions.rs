@@ -49,6 +49,11 @@ impl Positions {
         }
     }
 
+    /// Bytes set aside.
+    pub(super) fn memory(&self) -> usize {
+        self.coarse.capacity() * size_of::<Vec3>() + self.fine.capacity() * size_of::<DVec3>()
+    }
+
     /// Number of atoms.
     #[must_use]
     pub fn len(&self) -> usize {

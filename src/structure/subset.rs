@@ -46,6 +46,7 @@ impl Structure {
             .collect();
         subset.stated_bonds = self.stated_bonds;
         subset.symmetry = self.symmetry.clone();
+        subset.assemblies = self.assemblies.iter().map(|assembly| assembly.subset(&place)).collect();
         subset.secondary = self.secondary.clone();
         subset
     }

@@ -4,12 +4,14 @@
 //! `layering` the order of the modules and the size of files; `corpus` real files with independent truth; `bond_tables` our bonds beside those of toolkits; `perceive` listed bonds found
 //! again from the positions alone; `ligands` residues beside the component dictionary; `crystals` of proteins; `files` what these run over; `mmcif` CIF written and read again; `bad_input` truncated
 //! and corrupted ones; `roundtrip` written and read again; `schema` our JSON and its schema; `golden` small pictures, one idea each; `parity` CPU against GPU; `shaders` WGSL without a GPU; `sky` visibility of the sky against rays; `cli` the program
-//! as a user runs it; `again` pictures made again, and films; `selecting` its flags that select atoms; `large` pictures of any size, their parts and resolution; `trajectories` against their truth, and behind a structure; `transparent` ones laid over colours; `window` and `care` the window under a virtual display.
+//! as a user runs it; `again` pictures made again, and films; `assemblies` as placements and as copied atoms; `batch` many pictures in one run; `selecting` its flags that select atoms; `large` pictures of any size, their parts and resolution; `trajectories` against their truth, and behind a structure; `transparent` ones laid over colours; `window` and `care` the window under a virtual display.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod again;
+mod assemblies;
 mod bad_input;
+mod batch;
 mod bond_tables;
 #[cfg(feature = "window")]
 mod care;

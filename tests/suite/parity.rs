@@ -288,6 +288,11 @@ fn gpu_and_cpu_draw_the_same_molecules() {
     assert!(wrong.is_empty(), "{}:\n{}", gpu.name(), wrong.join("\n"));
 }
 
+/// As [`judge_with`] at full quality, for scenes of other files.
+pub(crate) fn judge_whole(gpu: &mut GpuRenderer, name: &str, scene: &Arc<Scene>, view: &View) -> Result<(), String> {
+    judge_with(gpu, name, scene, view, &FINISHED)
+}
+
 /// At full quality: the scene of a molecule on its ground, seen whole.
 #[test]
 fn gpu_and_cpu_finish_the_same_picture() {

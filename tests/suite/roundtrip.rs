@@ -189,6 +189,21 @@ fn same(part: Part, format: &StructureFormat, a: &Structure, a_frame: &Frame, b:
             };
             a.cell().is_none() || (want.len() == got.len() && want.iter().zip(&got).all(same))
         }
+        Part::Assemblies => {
+            // Atoms with as many copies each; a few of them by the same motions.
+            let of = |s: &Structure| -> Vec<(String, Vec<usize>)> {
+                let copies = |one: &ballstick::structure::Assembly| {
+                    let (sets, set_of) = one.sets(s.atom_count());
+                    let each = set_of.iter().map(|&set| sets.get(set as usize).map_or(0, Vec::len)).collect();
+                    (one.id.clone(), each)
+                };
+                s.assemblies().iter().map(copies).collect()
+            };
+            let operations = |s: &Structure| s.assemblies().iter().flat_map(|one| one.operations.clone()).collect();
+            let (want, got): (Vec<glam::DAffine3>, Vec<glam::DAffine3>) = (operations(a), operations(b));
+            let near = want.len() == got.len() && want.iter().zip(&got).all(|(a, b)| a.abs_diff_eq(*b, 1e-5));
+            limited || (of(a) == of(b) && near)
+        }
         Part::Components => a.components() == b.components(),
         Part::AtomNames => all(&|i| {
             let want = a.atom_name(i);

@@ -123,6 +123,7 @@ impl State {
             Action::BondsPerFrame(when) => work.crystal.bonds_per_frame = when,
             Action::Cell(choice) => work.crystal.cell = choice,
             Action::Supercell(counts) => work.crystal.supercell = counts.map(|count| count.clamp(1, 100)),
+            Action::Assembly(id) => work.crystal.assembly = id,
             Action::CellBox(on) => work.cell_box = on,
             Action::Quality(quality) => work.quality = quality,
             Action::Pick(key) => picking::pick(self, key),

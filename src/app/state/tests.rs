@@ -186,7 +186,7 @@ fn two_atoms_are_measured_as_in_the_file_and_marked_in_the_scene() {
 #[test]
 fn what_is_under_a_point_is_told_with_its_bonds() {
     let state = opened(&["1crn.pdb"]);
-    let (heading, facts) = picking::about_atom(&state.built.drawn[0].1, 1);
+    let (heading, facts) = picking::about_atom(&state.built.drawn[0].1, 1).unwrap();
     let fact =
         |name: &str| facts.iter().filter(|(n, _)| n == name).map(|(_, value)| value.as_str()).collect::<Vec<_>>();
     assert_eq!(heading, "Carbon C");
@@ -197,6 +197,51 @@ fn what_is_under_a_point_is_told_with_its_bonds() {
     assert_eq!(fact("Position"), ["16.967  12.784  4.338 Å"]);
     assert_eq!(fact("Bond").len(), 3);
     assert!(fact("Bond")[0].starts_with("N of THR 1 in chain A: 1.4") && fact("Bond")[0].contains("dictionary"));
+}
+
+#[test]
+fn an_assembly_is_chosen_picked_in_its_copies_and_undone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("dimer.pdb");
+    let mut text = "REMARK 350 BIOMOLECULE: 1\nREMARK 350 APPLY THE FOLLOWING TO CHAINS: A\n".to_owned();
+    for (number, shift) in [(1, 0.0), (2, 20.0)] {
+        for row in 1..=3 {
+            let one = |column: i32| if column == row { 1.0 } else { 0.0 };
+            let (x, y, z, along) = (one(1), one(2), one(3), if row == 1 { shift } else { 0.0 });
+            text += &format!("REMARK 350   BIOMT{row} {number:>3}{x:>10.6}{y:>10.6}{z:>10.6}{along:>15.5}\n");
+        }
+    }
+    for (serial, name, x) in [(1, "N  ", 0.0), (2, "CA ", 1.45), (3, "C  ", 2.9)] {
+        let element = &name[..1];
+        text += &format!(
+            "ATOM  {serial:>5}  {name} GLY A   1    {x:>8.3}   0.000   0.000  1.00  0.00          {element:>2}\n"
+        );
+    }
+    std::fs::write(&path, text + "END\n").unwrap();
+    let mut state = state();
+    state.apply(Action::Open(path));
+    state.wait_for_files();
+    settle(&mut state);
+    assert_eq!((state.built.scene.sphere_count(), state.built.scene.placements.len()), (3, 1));
+    assert_eq!(crate::app::assemblies::known(&state).len(), 2);
+    let id = crate::crystal::AssemblyId::new("1");
+    state.apply(Action::Assembly(id));
+    settle(&mut state);
+    assert_eq!((state.built.scene.sphere_count(), state.built.scene.placements.len()), (6, 2));
+    // The second atom of the second copy, and with it its residue there.
+    let there = key(&state, 4);
+    let scene_id = picking::id_of(&state, there).unwrap();
+    assert_eq!(picking::target(&state, scene_id), Some(picking::Target::Atom(there)));
+    state.apply(Action::Pick(Some(there)));
+    assert_eq!(picking::name_of(&state, there).as_deref(), Some("CA of GLY 1 in chain A, copy 2"));
+    assert_eq!(picking::measure(&state, &[key(&state, 1), there]).as_deref(), Some("20.000 Å"));
+    state.apply(Action::PickMore);
+    assert_eq!(state.work.picked.iter().map(|key| key.atom).collect::<Vec<_>>(), [3, 4, 5]);
+    assert!(crate::app::sessions::command_line(&state).unwrap().contains(" --assembly 1 "));
+    // Without the assembly there is no such atom.
+    state.apply(Action::Assembly(None));
+    settle(&mut state);
+    assert_eq!((state.built.scene.sphere_count(), state.work.picked.len()), (3, 0));
 }
 
 #[test]

@@ -69,7 +69,7 @@ fn row_of(state: &State, key: AtomKey) -> Option<usize> {
     let mut before = 0;
     for (layer, drawn) in &state.built.drawn {
         if *layer == key.layer {
-            return Some(before + key.atom as usize);
+            return Some(before + drawn.own_atom(key.atom)?.1);
         }
         before += drawn.structure.atom_count();
     }

@@ -3,6 +3,7 @@
 use super::parts::{button, choice, heading, named, row, switch, switches};
 use super::{Memory, atoms, selecting, sequence};
 use crate::app::action::Action;
+use crate::app::assemblies;
 use crate::app::commands::capital;
 use crate::app::picking;
 use crate::app::state::State;
@@ -277,6 +278,10 @@ fn crystal(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     };
     let cells = CellChoice::ALL.map(|cell| (cell, says(cell).to_owned()));
     choice(ui, "Content", &cells, crystal.cell, Action::Cell, actions);
+    let known = assemblies::known(state);
+    if known.len() > 1 {
+        choice(ui, "Assembly", &known, crystal.assembly, Action::Assembly, actions);
+    }
     row(ui, "Cells", |ui| {
         let mut counts = crystal.supercell;
         for (count, axis) in counts.iter_mut().zip(["a", "b", "c"]) {
@@ -308,8 +313,8 @@ fn picked(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         ui.label(RichText::new(text).weak());
     }
     for key in picked.iter().take(MOST_LISTED) {
-        if let Some(drawn) = picking::drawn(state, key.layer) {
-            ui.label(picking::short_name(&drawn.structure, key.atom as usize));
+        if let Some(name) = picking::name_of(state, *key) {
+            ui.label(name);
         }
     }
     if picked.len() > MOST_LISTED {
@@ -338,11 +343,7 @@ fn picked(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     for (index, atoms) in state.work.measurements.iter().enumerate() {
         ui.horizontal(|ui| {
             let value = picking::measure(state, atoms).unwrap_or_else(|| "–".to_owned());
-            let names: Vec<String> = (atoms.iter())
-                .filter_map(|key| {
-                    Some(picking::short_name(&picking::drawn(state, key.layer)?.structure, key.atom as usize))
-                })
-                .collect();
+            let names: Vec<String> = atoms.iter().filter_map(|&key| picking::name_of(state, key)).collect();
             ui.label(RichText::new(&value).strong()).on_hover_text(names.join(" – "));
             if ui.small_button("×").on_hover_text("Forget it").labelled(&format!("Forget {value}")).clicked() {
                 actions.push(Action::ForgetMeasurement(index));

@@ -92,7 +92,8 @@ impl Memory {
 }
 
 fn residue_of(state: &State, key: AtomKey) -> Option<Place> {
-    Some((key.layer, picking::drawn(state, key.layer)?.structure.residue_index(key.atom as usize)?))
+    let drawn = picking::drawn(state, key.layer)?;
+    Some((key.layer, drawn.structure.residue_index(drawn.own_atom(key.atom)?.1)?))
 }
 
 /// Whether there is a chain.

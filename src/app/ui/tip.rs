@@ -10,9 +10,7 @@ pub(super) const DELAY: f32 = 0.25;
 /// Shows it beside the pointer.
 pub(super) fn show(ctx: &Context, state: &State, target: Target, at: Pos2, within: Rect) {
     let about = match target {
-        Target::Atom(key) => {
-            picking::drawn(state, key.layer).map(|drawn| picking::about_atom(drawn, key.atom as usize))
-        }
+        Target::Atom(key) => picking::drawn(state, key.layer).and_then(|drawn| picking::about_atom(drawn, key.atom)),
         Target::Bond(layer, bond) => {
             picking::drawn(state, layer).and_then(|drawn| picking::about_bond(drawn, bond as usize))
         }

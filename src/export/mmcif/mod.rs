@@ -1,6 +1,6 @@
 //! mmCIF: one data block a record, all frames as models.
 //!
-//! Written are `_entry`, `_struct` (title), `_cell`, `_symmetry` with operations, `_chem_comp_bond`, `_struct_conf`,
+//! Written are `_entry`, `_struct` (title), `_cell`, `_symmetry` with operations, `_pdbx_struct_assembly` ([`assembly`]), `_chem_comp_bond`, `_struct_conf`,
 //! `_struct_sheet_range`, `_struct_conn` and `_atom_site` ([`bonds`] says which bond goes where). Positions have as many
 //! decimals as the file they came from; other numbers read back equal. Values are quoted where they need it ([`value`]).
 //!
@@ -9,6 +9,7 @@
 //! Structures without residues become one residue UNL of chain A, atoms without a name get one from their
 //! element, so that other programs can read the file and bonds can be told by names.
 
+mod assembly;
 mod bonds;
 mod value;
 
@@ -37,6 +38,7 @@ pub static FORMAT: StructureFormat = StructureFormat {
         Part::Cell,
         Part::SpaceGroup,
         Part::SymmetryOperations,
+        Part::Assemblies,
         Part::Components,
         Part::AtomNames,
         Part::Serials,
@@ -69,6 +71,7 @@ fn limits(structure: &Structure) -> Vec<&'static str> {
         (plan.unordered, "aromatic bonds and bonds of unknown order where residues of one name differ (written as single or double)"),
         (alone, "that atoms are without any partner (distances may give them some when the file is read)"),
         (turned, "unit cells whose first vector is not along x or whose second is not in the xy plane (written as lengths and angles)"),
+        (!assembly::is_whole(structure, &residues), "assemblies of parts of chains (left out)"),
         (!residues.has_unique_serials, "serial numbers that repeat (counted anew)"),
     ]
     .into_iter()
@@ -109,6 +112,7 @@ fn write_block(structure: &Structure, id: &str, out: &mut dyn Write) -> io::Resu
         writeln!(out, "_struct.entry_id {id}\n_struct.title {}\n#", Value(&title))?;
     }
     write_crystal(structure, id, out)?;
+    assembly::write(structure, &residues, out)?;
     write_components(&plan, out)?;
     write_secondary(structure, out)?;
     write_links(structure, &residues, &plan, out)?;

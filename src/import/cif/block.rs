@@ -2,7 +2,7 @@
 
 use super::atoms::AtomSites;
 use super::table::{Block, Category, Row, Table};
-use super::{component, crystal, links};
+use super::{assembly, component, crystal, links};
 use crate::error::{Error, Result};
 use crate::import::collect::Records;
 use crate::import::text::Repeated;
@@ -51,6 +51,7 @@ pub(in crate::import) fn finish(
         symmetry: crystal::symmetry(block, sites.fractional, diagnostics),
         secondary: secondary(block),
         components: component::bonds(block, diagnostics),
+        assemblies: assembly::read(block, diagnostics),
         links: links::read(block, diagnostics),
         states_bonds: block.table(Category::StructConn).is_some() || block.table(Category::ChemCompBond).is_some(),
         copies: MAX_COPIES,
@@ -104,6 +105,7 @@ struct Around {
     symmetry: Option<Symmetry>,
     secondary: Vec<SecondaryElement>,
     components: Vec<ComponentBonds>,
+    assemblies: Vec<assembly::Stated>,
     links: Vec<links::Link>,
     states_bonds: bool,
     copies: usize,
@@ -115,10 +117,12 @@ impl Around {
     fn dress(&mut self, mut structure: Structure, model: &super::atoms::Model) -> Structure {
         let operations = self.symmetry.as_ref().map_or(0, |symmetry| symmetry.operations.len());
         let bonds: usize = self.components.iter().map(|component| component.bonds.len()).sum();
-        let cost = self.secondary.len() + bonds + self.links.len() + operations;
+        let assemblies: usize = self.assemblies.iter().map(assembly::Stated::cost).sum();
+        let cost = self.secondary.len() + bonds + self.links.len() + operations + assemblies;
         if cost > self.copies {
             self.missing.note(0, || {
-                "too many differing models: bonds, helices and symmetry of the later ones are left out".to_owned()
+                "too many differing models: bonds, helices, symmetry and assemblies of the later ones are left out"
+                    .to_owned()
             });
             return structure;
         }
@@ -126,6 +130,7 @@ impl Around {
         structure.symmetry = self.symmetry.clone();
         structure.secondary = self.secondary.clone();
         structure.components = self.components.clone();
+        structure.assemblies = assembly::resolve(&self.assemblies, &structure, &model.labels, &model.label_names);
         if self.states_bonds {
             structure.stated_bonds = StatedBonds::Partial;
         }

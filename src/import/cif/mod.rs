@@ -7,7 +7,7 @@
 //! Read are `_atom_site` ([`atoms`]; columns in any order, all but the coordinates optional, Cartesian or fractional),
 //! models, `_cell`, `_symmetry` and `_space_group` with their operations ([`crystal`]), `_struct_conn` ([`links`]),
 //! `_chem_comp_bond` and, in files without `_atom_site`, `_chem_comp_atom` ([`component`]), `_struct_conf` and
-//! `_struct_sheet_range`, titles ([`block`]). Each data block with atoms is a record, models of the same atoms are frames
+//! `_struct_sheet_range`, titles ([`block`]), `_pdbx_struct_assembly` with what makes it ([`assembly`]). Each data block with atoms is a record, models of the same atoms are frames
 //! of one; blocks without atoms (publication texts) are passed over. Save frames are passed over.
 //!
 //! Small molecules: standard uncertainties are dropped, disordered alternatives get alternate-location codes
@@ -18,8 +18,9 @@
 //! Accepted beyond the specification: see [`token`]; items without a category they belong to, values without a name
 //! (left out with a warning), text before the first `data_`.
 //!
-//! Not read: anisotropic displacements, assemblies (`_pdbx_struct_assembly`), bonds to symmetry mates.
+//! Not read: anisotropic displacements, bonds to symmetry mates.
 
+mod assembly;
 pub(super) mod atoms;
 pub(super) mod block;
 mod component;

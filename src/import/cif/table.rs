@@ -22,6 +22,9 @@ pub(in crate::import) enum Category {
     ChemCompAtom,
     ChemCompBond,
     Entry,
+    StructAssembly,
+    StructAssemblyGen,
+    StructOperList,
     SpaceGroup,
     SpaceGroupSymop,
     Struct,
@@ -34,7 +37,7 @@ pub(in crate::import) enum Category {
 
 impl Category {
     /// All of them.
-    pub(in crate::import) const ALL: [Category; 15] = [
+    pub(in crate::import) const ALL: [Category; 18] = [
         Category::AtomSite,
         Category::Cell,
         Category::Chemical,
@@ -42,6 +45,9 @@ impl Category {
         Category::ChemCompAtom,
         Category::ChemCompBond,
         Category::Entry,
+        Category::StructAssembly,
+        Category::StructAssemblyGen,
+        Category::StructOperList,
         Category::SpaceGroup,
         Category::SpaceGroupSymop,
         Category::Struct,
@@ -62,6 +68,9 @@ impl Category {
             Category::ChemCompAtom => "chem_comp_atom",
             Category::ChemCompBond => "chem_comp_bond",
             Category::Entry => "entry",
+            Category::StructAssembly => "pdbx_struct_assembly",
+            Category::StructAssemblyGen => "pdbx_struct_assembly_gen",
+            Category::StructOperList => "pdbx_struct_oper_list",
             Category::SpaceGroup => "space_group",
             Category::SpaceGroupSymop => "space_group_symop",
             Category::Struct => "struct",

@@ -8,7 +8,7 @@
 
 use super::super::text::{Lines, columns};
 use super::atoms::{AtomReader, Numbers};
-use super::symmetry;
+use super::{assembly, symmetry};
 use crate::error::{Error, Result};
 use crate::structure::{StructureBuilder, atom_flags};
 
@@ -79,7 +79,7 @@ pub(super) fn scan<'a>(chunk: &'a [u8], mut reader: AtomReader<'a>, most: Most) 
             // Everything else begins neither with these nor, in a large file, is there much of it.
             record => {
                 let record = record.trim_ascii_end();
-                if !is_read(record) && !symmetry::is_row(line) {
+                if !is_read(record) && !symmetry::is_row(line) && !assembly::is_line(line) {
                     continue;
                 }
                 if ends_model(record) {

@@ -2,7 +2,7 @@
 //!
 //! Specification: wwPDB, "Protein Data Bank Contents Guide: Atomic Coordinate Entry Format Description", version 3.30
 //! (2012), <https://www.wwpdb.org/documentation/file-format-content/format33/v3.3.html>.
-//! Read are TITLE, CRYST1, REMARK 290 ([`symmetry`]), MODEL, ATOM, HETATM, ENDMDL, CONECT, SSBOND, LINK, HELIX, SHEET, END,
+//! Read are TITLE, CRYST1, REMARK 290 ([`symmetry`]) and 350 ([`assembly`]), MODEL, ATOM, HETATM, ENDMDL, CONECT, SSBOND, LINK, HELIX, SHEET, END,
 //! HEADER (begins a further entry); all other records are passed over.
 //!
 //! Accepted beyond the specification:
@@ -18,6 +18,7 @@
 //!
 //! Not read: bonds to symmetry mates (they have no atoms here), SCALE and ORIGX, ANISOU, hydrogen bonds of old CONECT.
 
+mod assembly;
 mod atoms;
 mod bonds;
 mod chunks;
@@ -191,11 +192,12 @@ struct Oddities {
     conect: Repeated,
     link: Repeated,
     symmetry: Repeated,
+    assembly: Repeated,
 }
 
 impl Oddities {
     fn report(&self, diagnostics: &mut Diagnostics) {
-        for oddity in [&self.model, &self.conect, &self.link, &self.symmetry] {
+        for oddity in [&self.model, &self.conect, &self.link, &self.symmetry, &self.assembly] {
             oddity.warn(diagnostics);
         }
     }
@@ -218,6 +220,9 @@ struct Reader {
     operations: Vec<SymmetryOperation>,
     /// REMARK 290 that no CRYST1 was read with yet.
     symmetry_rows: symmetry::Rows,
+    /// REMARK 350, and whether it was checked.
+    assemblies: assembly::Lines,
+    has_checked_assemblies: bool,
     /// CONECT of the model being read.
     conects: Vec<Conect>,
     /// CONECT of all models of the entry.
@@ -246,6 +251,8 @@ impl Reader {
             space_group: String::new(),
             operations: Vec::new(),
             symmetry_rows: symmetry::Rows::default(),
+            assemblies: assembly::Lines::default(),
+            has_checked_assemblies: false,
             conects: Vec::new(),
             entry_conects: Vec::new(),
             links: Vec::new(),
@@ -289,6 +296,7 @@ impl Reader {
                 self.cell(line, number, diagnostics);
                 self.take_symmetry();
             }
+            b"REMARK" if assembly::is_line(line) => self.assemblies.push(line, number, &mut self.oddities.assembly),
             b"REMARK" => self.symmetry_rows.push(line, number, &mut self.oddities.symmetry),
             b"MODEL" => {
                 self.end_model(records, diagnostics);
@@ -444,7 +452,14 @@ impl Reader {
                 builder.push_secondary(element.clone());
             }
         }
-        let Some(record) = records.push_frame(builder.build(diagnostics)) else { return };
+        let mut structure = builder.build(diagnostics);
+        if !std::mem::replace(&mut self.has_checked_assemblies, true) {
+            self.assemblies.check(&mut self.oddities.assembly);
+        }
+        if self.copies.spend(self.assemblies.cost()) {
+            structure.assemblies = self.assemblies.resolve(&structure);
+        }
+        let Some(record) = records.push_frame(structure) else { return };
         match self.pending.last() {
             // A further frame of the last record: what the first frame says holds.
             Some(&(last, _)) if last == record => {}
@@ -476,6 +491,8 @@ impl Reader {
         self.space_group.clear();
         self.operations.clear();
         self.symmetry_rows = symmetry::Rows::default();
+        self.assemblies = assembly::Lines::default();
+        self.has_checked_assemblies = false;
         self.entry_conects.clear();
         self.links.clear();
         self.secondary.clear();

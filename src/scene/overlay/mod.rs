@@ -8,6 +8,7 @@ pub use legend::LegendRow;
 
 use super::build::{Item, SceneOptions};
 use super::chosen::Chosen;
+use super::copies::ItemIds;
 use super::{Placement, Scene};
 
 /// What is to be written.
@@ -56,15 +57,18 @@ impl Overlay {
     }
 }
 
-/// The texts for items that stand at these placements of the scene, drawn as chosen.
+/// The texts for items of the scene, drawn as chosen.
 pub(super) fn build(
     scene: &Scene,
-    items: &[(&Item<'_>, usize)],
+    items: &[(&Item<'_>, ItemIds)],
     chosen: &[&Chosen],
     SceneOptions { text: options, color_by, by_selection, .. }: &SceneOptions,
 ) -> Overlay {
     let placed = || {
-        items.iter().zip(chosen).filter_map(|(&(item, at), &chosen)| Some((item, scene.placements.get(at)?, chosen)))
+        items.iter().zip(chosen).flat_map(|((item, ids), &chosen)| {
+            let placements = scene.placements.get(ids.placements.clone()).unwrap_or_default();
+            placements.iter().map(move |placement| (*item, placement, chosen))
+        })
     };
     let spheres = |placement: &Placement| &scene.blocks[placement.block].spheres[..];
     let mut labels = Vec::new();
@@ -73,7 +77,10 @@ pub(super) fn build(
         labels::of_item(item, placement, spheres(placement), options.labels, is_labelled, &mut labels);
     }
     let legend = if options.legend {
-        let drawn = placed().map(|(item, placement, chosen)| (item.structure, spheres(placement), chosen));
+        // Each block once: what stands several times says nothing new.
+        let mut seen = std::collections::HashSet::new();
+        let drawn = placed().filter(|(_, placement, _)| seen.insert(placement.block));
+        let drawn = drawn.map(|(item, placement, chosen)| (item.structure, spheres(placement), chosen));
         legend::rows(*color_by, &by_selection.colors, drawn)
     } else {
         Vec::new()
