@@ -118,6 +118,8 @@
 //! - Of meshes neither textures nor, in glTF, sparse accessors, compression, skins and morph targets are read; polygons of OBJ files are
 //!   fans, so that concave ones come out wrong. Vectors do not turn with symmetry operations: no format that states them has any.
 
+#![doc = include_str!("threats.md")]
+
 #[cfg(feature = "window")]
 pub mod app;
 pub mod bonds;
