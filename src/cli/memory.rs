@@ -33,6 +33,18 @@ struct Room {
     bound: &'static str,
 }
 
+/// What any work takes beside the program itself: below this even an error could not be said. Chosen; where 3 MB were left, threads
+/// could not be started.
+const LEAST_BYTES: u64 = 8 << 20;
+
+/// Refuses any work where there is next to no memory.
+///
+/// # Errors
+/// [`Error::Unsupported`] with what is needed and what there is.
+pub(super) fn check_start() -> Result<()> {
+    room().map_or(Ok(()), |room| fits("any work", LEAST_BYTES, room))
+}
+
 /// Refuses a file that cannot be read in the memory there is.
 ///
 /// # Errors

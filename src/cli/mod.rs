@@ -65,6 +65,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(cli) => cli,
         Err(status) => return status,
     };
+    if let Err(error) = memory::check_start() {
+        report.fail_with(&error.to_string());
+        return FAILED;
+    }
     process::prepare();
     let done = match cli.command.unwrap_or(Command::View(Box::new(cli.view))) {
         Command::View(args) => view::run(*args, &report),
