@@ -519,3 +519,28 @@ fn help_tells_the_exit_statuses() {
     let help = String::from_utf8_lossy(&help.0.stdout).into_owned();
     assert!(help.contains("Exit status: 0 done") && help.contains("130"), "{help}");
 }
+
+#[test]
+fn a_weak_device_or_none_draws_the_picture_and_says_who_did() {
+    let place = Place::new();
+    let draw = |flags: &str| {
+        let line = format!("ballstick render methane.xyz -o a.png --size 64x48 --quality draft --timings {flags}");
+        let said = place.run(&line, 0).err();
+        assert!(is_whole_png(&place.path("a.png")), "{said}");
+        said
+    };
+    let weak = draw("--renderer gpu --limits downlevel");
+    let is_device = weak.contains("\"renderer\":\"gpu: ");
+    assert!(is_device || weak.contains("the CPU renderer takes over"), "{weak}");
+    // An interface that no machine of this kind has.
+    let none = place.run(
+        "WGPU_BACKEND=none ballstick render methane.xyz -o b.png --size 64x48 --quality draft --renderer gpu --timings",
+        0,
+    );
+    assert!(
+        none.err().contains("the CPU renderer takes over") && none.err().contains("\"renderer\":\"cpu\""),
+        "{}",
+        none.err()
+    );
+    assert!(draw("--renderer cpu --limits downlevel").contains("\"renderer\":\"cpu\""));
+}
