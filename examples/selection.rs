@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{} {}", atom + 1, molecule.atom_name(atom));
     }
 
-    let gold = Srgb8::new(0xff, 0xd7, 0x00);
+    let gold = Srgb8::rgb(0xff, 0xd7, 0x00);
     let by_selection = BySelection { colors: vec![(selection, gold)], ..BySelection::default() };
     let options = SceneOptions { by_selection, ..SceneOptions::default() };
     let scene = Arc::new(Scene::new(&[Item::of(&molecule)], &options));
