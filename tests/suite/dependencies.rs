@@ -69,7 +69,7 @@ fn no_dependency_needs_a_newer_rust_than_we_say() {
 
 #[test]
 fn without_its_features_the_library_has_neither_graphics_nor_windows() {
-    let tree = |features: &[&str]| cargo(&[&["tree", "--edges", "normal", "--prefix", "none"], features].concat());
+    let tree = |features: &[&str]| cargo(&[&["tree", "--edges", "normal", "--prefix", "none"][..], features].concat());
     let (Some(plain), Some(full)) = (tree(&["--no-default-features"]), tree(&[])) else { return };
     for name in ["wgpu", "winit", "egui", "softbuffer", "arboard", "naga"] {
         let has = |tree: &str| tree.lines().any(|line| line.split(' ').next() == Some(name));

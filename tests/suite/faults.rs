@@ -379,7 +379,7 @@ fn names_of_any_bytes_are_read_written_and_printed_safely() {
             assert!(output.status.success(), "{name:?}");
             assert!(!output.stdout.contains(&0x1b) && !output.stderr.contains(&0x1b), "{name:?} steers the terminal");
         }
-        let missing = folder.path().join(OsStr::from_bytes(&[name, b".none"].concat()));
+        let missing = folder.path().join(OsStr::from_bytes(&[name, &b".none"[..]].concat()));
         let output = Command::new(BALLSTICK).arg("info").arg(missing).output().unwrap();
         assert!(output.status.code() == Some(1) && !output.stderr.contains(&0x1b), "{name:?}");
         drawn.push(path);
