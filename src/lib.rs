@@ -117,8 +117,15 @@
 //! - Formal charges of metals are not told, nor those of acids and amines whose hydrogens a file leaves out. Nitrides and carbenes on
 //!   metals have single bonds or dashes.
 //! - Dative bonds do not keep which atom gives the pair.
+//! - What a packed file unpacks to, and what light from afar takes, is not known when memory is asked for: a program that runs out of it in the
+//!   middle ends by a signal (134), and leaves nothing half done. The window does not ask. Below some 50 MB of addresses (`ulimit -v`) the system cannot
+//!   even load the program.
+//! - Elsewhere than on Linux `kill -9` may leave a temporary file, as it may of a film that `ffmpeg` writes.
+//! - Of a file whose name is not UTF-8 a picture cannot say that it was made of it.
 //! - Of meshes neither textures nor, in glTF, sparse accessors, compression, skins and morph targets are read; polygons of OBJ files are
 //!   fans, so that concave ones come out wrong. Vectors do not turn with symmetry operations: no format that states them has any.
+
+#![doc = include_str!("threats.md")]
 
 #[cfg(feature = "window")]
 pub mod app;

@@ -23,9 +23,7 @@ use std::path::PathBuf;
     args_conflicts_with_subcommands = true,
     // Without a window there is nothing to show without a file.
     arg_required_else_help = cfg!(not(feature = "window")),
-    after_help = "A file that is called like a command is opened as ./render, or by `ballstick view render`.\n\
-        Results go to standard output, everything else to standard error; `-` is standard input or output.\n\
-        Exit status: 0 done (also with warnings), 1 some inputs failed, 2 the command line is wrong."
+    after_help = super::manual::AFTER_HELP
 )]
 pub struct Cli {
     /// What to do; viewing, if nothing is said.
@@ -47,6 +45,10 @@ pub enum Command {
     Info(InfoArgs),
     /// Write a structure in another format
     Convert(ConvertArgs),
+    /// Write the manual, as pages for man
+    Manual(super::manual::ManualArgs),
+    /// Write what a shell needs to complete commands and flags
+    Completions(super::manual::CompletionsArgs),
     /// List graphics devices, and which one is used and why
     ///
     /// Best first. WGPU_BACKEND=vulkan, gl, dx12 or metal narrows the choice to one interface, here and in pictures
@@ -180,6 +182,9 @@ pub struct RenderArgs {
     /// Batch.
     #[command(flatten)]
     pub batch: BatchArgs,
+    /// Device.
+    #[command(flatten)]
+    pub limits: super::limits::LimitsArgs,
     /// Print timings as JSON on standard error, see below
     #[arg(long, help_heading = "Running")]
     pub timings: bool,

@@ -243,7 +243,7 @@ mod tests {
     #[test]
     fn every_flag_of_a_picture_is_one_of_the_session() {
         // Where to and how, not what; what `Origin` has; and the other side of a switch that is off unless said.
-        let others = ["output", "to", "timings", "skip-existing", "shard", "from", "help", "frame", "camera"];
+        let others = ["output", "to", "timings", "skip-existing", "shard", "from", "help", "frame", "camera", "limits"];
         let selection = || crate::select::Selection::parse("water").unwrap();
         let mut session: Session = crate::session::Session::of(&crate::session::Settings {
             scene: crate::scene::SceneOptions {

@@ -152,6 +152,7 @@ fn print(text: &str) -> Result<()> {
 
 fn read(input: &Input, args: &InfoArgs, report: &Report) -> Result<Info> {
     let path = &input.structure;
+    super::memory::check_file(path)?;
     let mut document = read_input(input, &ImportOptions::default())?;
     let trajectories = document.trajectories.clone();
     for trajectory in &trajectories {

@@ -25,6 +25,7 @@ pub(super) struct LoadSeconds {
 
 /// Reads a file, of which the format may be said, and says what its reader noticed.
 pub(super) fn read_as(path: &Path, format: Option<Format>, report: &Report) -> Result<Document> {
+    super::memory::check_file(path)?;
     let document = match samples::read(path, &ImportOptions { format, ..ImportOptions::default() }) {
         Err(Error::Input { .. } | Error::Unsupported(_)) if Session::is_at(path) => {
             let message = "this is a session, or a picture with one: it is drawn alone, ballstick render FILE -o OUT, or opened in the window";
@@ -43,6 +44,7 @@ pub(super) fn read_input(input: &Input, report: &Report) -> Result<Document> {
     if input.trajectories.is_empty() {
         return read_as(&input.structure, None, report);
     }
+    super::memory::check_file(&input.structure)?;
     let document = trajectory::read_input(input, &ImportOptions::default())?;
     for diagnostic in &document.diagnostics {
         report.diagnostic(&input.structure, diagnostic);

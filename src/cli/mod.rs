@@ -15,9 +15,13 @@ mod explain;
 pub mod frames;
 pub mod from;
 mod info;
+pub mod limits;
 mod load;
+pub mod manual;
+mod memory;
 mod picture;
 mod plan;
+mod process;
 mod record;
 mod render;
 mod report;
@@ -37,6 +41,24 @@ const FAILED: u8 = 1;
 /// Exit status for a wrong command line.
 const USAGE: u8 = 2;
 
+/// The exit statuses, for the manual; `--help` has them in a line.
+const STATUSES: &[(&str, &str)] = &[
+    ("0", "All is done, perhaps with warnings, or the reader of standard output has gone."),
+    ("1", "Some inputs failed, and the others are done; or the result could not be written."),
+    ("2", "The command line is wrong. Nothing was done."),
+    (
+        "128 + N",
+        "Ended by signal N, as the shell shows it: 130 is Ctrl+C, 143 kill, 137 kill -9, 134 out of memory in the middle of the work.",
+    ),
+];
+
+/// The environment variables that count, for the manual.
+const ENVIRONMENT: &[(&str, &str)] = &[
+    ("RAYON_NUM_THREADS", "Threads to work with; one a core if it is not set."),
+    ("WGPU_BACKEND", "The interface to graphics devices: vulkan, gl, dx12 or metal."),
+    ("XDG_CONFIG_HOME", "Where the window keeps its preferences (Linux); ~/.config if it is not set."),
+];
+
 /// Runs the program with these arguments, the first being its own name, and gives the exit status.
 #[must_use]
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
@@ -45,14 +67,24 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(cli) => cli,
         Err(status) => return status,
     };
+    if let Err(error) = memory::check_start() {
+        report.fail_with(&error.to_string());
+        return FAILED;
+    }
+    process::prepare();
     let done = match cli.command.unwrap_or(Command::View(Box::new(cli.view))) {
         Command::View(args) => view::run(*args, &report),
-        Command::Render(args) => picture::run(&args, &mut report, &mut render::Drawer::new(args.renderer)),
+        Command::Render(args) => picture::run(&args, &mut report, &mut render::Drawer::new(args.renderer, args.limits)),
         Command::Info(args) => {
             info::run(&args, &mut report);
             Ok(())
         }
         Command::Convert(args) => convert::run(&args, &mut report),
+        Command::Manual(args) => manual::run_manual(&args, &report),
+        Command::Completions(args) => {
+            manual::run_completions(&args, &report);
+            Ok(())
+        }
         Command::Devices => {
             devices::run(&render::devices(), &report);
             Ok(())
@@ -73,8 +105,15 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 fn parsed(arguments: Vec<OsString>, report: &report::Report) -> Result<Cli, u8> {
     let parse = |arguments: &[OsString]| {
         Cli::try_parse_from(arguments).map_err(|error| {
-            drop(error.print()); // help into a closed pipe is no failure
-            u8::try_from(error.exit_code()).unwrap_or(USAGE)
+            let status = u8::try_from(error.exit_code()).unwrap_or(USAGE);
+            // Help into a closed pipe is no failure; help that finds no room is.
+            match error.print() {
+                Err(error) if status == 0 && error.kind() != std::io::ErrorKind::BrokenPipe => {
+                    report.fail_with(&format!("cannot write -: {error}"));
+                    FAILED
+                }
+                _ => status,
+            }
         })
     };
     let is_render = arguments.get(1).is_some_and(|word| word == "render");

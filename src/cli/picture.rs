@@ -205,7 +205,15 @@ fn one_picture(
     if drawn_inputs.is_empty() {
         return Ok(false); // said above, input by input
     }
+    let mut named =
+        drawn_inputs.iter().flat_map(|(input, _)| std::iter::once(&input.structure).chain(&input.trajectories));
+    if let Some(name) = named.find(|path| path.to_str().is_none()) {
+        report.note(name, "the name is not text in UTF-8, so that the picture cannot say what it was made of (--from)");
+    }
     let side_by_side = args.select.record == Some(RecordChoice::All);
+    let part = args.region.unwrap_or(Region { x: 0, y: 0, width: size.width, height: size.height });
+    let atoms = drawn.iter().map(|drawn| drawn.structure.atom_count()).sum();
+    super::memory::check_picture(atoms, part, format)?;
     let loading = Instant::now();
     draw.load(&drawn, side_by_side, args, size)?;
     let scene_seconds = loading.elapsed().as_secs_f64();

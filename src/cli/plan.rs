@@ -3,6 +3,7 @@
 use crate::export::picture::PictureFormat;
 use crate::import::trajectory::{Input, inputs};
 use std::collections::HashMap;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 /// What takes the place of the input's name in a pattern.
@@ -71,22 +72,22 @@ pub(super) fn outputs(files: &[PathBuf], output: &Path, extension: &str) -> Resu
     }
     let text = output.to_string_lossy();
     if text.contains(STEM) {
-        return Ok(each(files, &text, None));
+        return Ok(each(files, output, None));
     }
     if is_folder(output) {
         let pattern = output.join(format!("{STEM}.{extension}"));
         let new_folder = (!output.is_dir()).then(|| output.to_owned());
-        return Ok(each(files, &pattern.to_string_lossy(), new_folder));
+        return Ok(each(files, &pattern, new_folder));
     }
     let pictures = vec![Picture { inputs: inputs(files), output: output.to_owned() }];
     Ok(Plan { pictures, clashes: Vec::new(), new_folder: None, is_each: false })
 }
 
-fn each(files: &[PathBuf], pattern: &str, new_folder: Option<PathBuf>) -> Plan {
+fn each(files: &[PathBuf], pattern: &Path, new_folder: Option<PathBuf>) -> Plan {
     let mut plan = Plan { pictures: Vec::new(), clashes: Vec::new(), new_folder, is_each: true };
     let mut taken: HashMap<PathBuf, PathBuf> = HashMap::new();
     for input in inputs(files) {
-        let output = PathBuf::from(pattern.replace(STEM, &stem(&input.structure)));
+        let output = filled(pattern, &stem(&input.structure));
         match taken.get(&output) {
             Some(earlier) => plan.clashes.push(Clash { input: input.structure, output, earlier: earlier.clone() }),
             None => {
@@ -98,16 +99,36 @@ fn each(files: &[PathBuf], pattern: &str, new_folder: Option<PathBuf>) -> Plan {
     plan
 }
 
+/// The pattern with the stem in its place, byte for byte: names need not be text.
+#[cfg(unix)]
+fn filled(pattern: &Path, stem: &OsStr) -> PathBuf {
+    use std::os::unix::ffi::{OsStrExt, OsStringExt};
+    let (mut rest, mut name) = (pattern.as_os_str().as_bytes(), Vec::new());
+    while let Some(at) = memchr::memmem::find(rest, STEM.as_bytes()) {
+        name.extend_from_slice(&rest[..at]);
+        name.extend_from_slice(stem.as_bytes());
+        rest = &rest[at + STEM.len()..];
+    }
+    name.extend_from_slice(rest);
+    std::ffi::OsString::from_vec(name).into()
+}
+
+/// The pattern with the stem in its place.
+#[cfg(not(unix))]
+fn filled(pattern: &Path, stem: &OsStr) -> PathBuf {
+    pattern.to_string_lossy().replace(STEM, &stem.to_string_lossy()).into()
+}
+
 /// The name of a file without folder and extension, `.gz` and `.zst` as well; `stdin` for `-`.
-fn stem(path: &Path) -> String {
+fn stem(path: &Path) -> OsString {
     if path.as_os_str() == "-" {
-        return "stdin".to_owned();
+        return "stdin".into();
     }
     let name = path.file_name().unwrap_or_default();
     let name = Path::new(name);
     let packed = name.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz") || e.eq_ignore_ascii_case("zst"));
     let name = if packed { Path::new(name.file_stem().unwrap_or_default()) } else { name };
-    name.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    name.file_stem().unwrap_or_default().to_owned()
 }
 
 #[cfg(test)]

@@ -15,26 +15,37 @@ use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 
 /// Sums of files, found while they are read and drawn.
-pub(super) struct Sums {
-    thread: Option<JoinHandle<HashMap<PathBuf, String>>>,
+pub(super) enum Sums {
+    /// By a thread of their own.
+    Begun(JoinHandle<HashMap<PathBuf, String>>),
+    /// At the end, as there was no thread.
+    Later(Vec<PathBuf>),
 }
 
 impl Sums {
     /// Begins to find them.
     pub(super) fn begin<'a>(files: impl Iterator<Item = &'a PathBuf>) -> Sums {
         let files: Vec<PathBuf> = files.cloned().collect();
-        let find = move || {
-            // What cannot be read is said by its reader.
-            let sum = |path: PathBuf| Some((path.clone(), sums::of_file(&path).ok()??));
-            files.into_iter().filter_map(sum).collect()
-        };
-        Sums { thread: std::thread::Builder::new().name("sums".to_owned()).spawn(find).ok() }
+        let theirs = files.clone();
+        match std::thread::Builder::new().name("sums".to_owned()).spawn(move || find(theirs)) {
+            Ok(thread) => Sums::Begun(thread),
+            Err(_) => Sums::Later(files),
+        }
     }
 
     /// The sums by path.
     pub(super) fn finish(self) -> HashMap<PathBuf, String> {
-        self.thread.and_then(|thread| thread.join().ok()).unwrap_or_default()
+        match self {
+            Sums::Begun(thread) => thread.join().unwrap_or_default(),
+            Sums::Later(files) => find(files),
+        }
     }
+}
+
+fn find(files: Vec<PathBuf>) -> HashMap<PathBuf, String> {
+    // What cannot be read is said by its reader.
+    let sum = |path: PathBuf| Some((path.clone(), sums::of_file(&path).ok()??));
+    files.into_iter().filter_map(sum).collect()
 }
 
 /// What is needed to make the picture again. No dates: the same command gives the same bytes.
@@ -73,7 +84,8 @@ pub(super) fn metadata(
     let folder = (!atomic::is_stdout(output)).then(|| output.parent().unwrap_or(Path::new("")));
     // A relative folder that is none is the one we are in.
     let folder = folder.map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
-    texts.push(session.text(folder));
+    // Empty where a name is not text, which is said elsewhere.
+    texts.extend(Some(session.text(folder)).filter(|(_, text)| !text.is_empty()));
     texts
 }
 

@@ -3,6 +3,7 @@
 use super::args::{LabelArg, LookArgs, Named, RenderArgs, RendererArgs, TextArgs};
 use super::atoms::style;
 use super::devices::{Adapter, Devices};
+use super::limits::LimitsArgs;
 use super::picture::{Draw, Pixels};
 use super::size::Size;
 use super::values::{Altloc, Axis, Direction, MeasureArg, Region};
@@ -10,7 +11,7 @@ use crate::cli::args::Channel;
 use crate::crystal::Drawn;
 use crate::error::{Error, Result};
 use crate::import;
-use crate::render::{Choice, Quality, Renderer, Selection, Settings, View, crop, select};
+use crate::render::{Choice, DeviceLimits, Quality, Renderer, Selection, Settings, View, crop, select, select_under};
 use crate::scene::{
     AltlocChoice, Aromatic, AtomPlace, Background, Camera, ColorBy, DepthOfField, Item, LabelContent, LightFrame, Look,
     Measurement, Orientation, OverlayOptions, Scene, SceneOptions, VectorChoice, Viewpoint, vector_scales,
@@ -28,6 +29,7 @@ const GAP: f32 = 4.0;
 /// Picks a renderer at the first picture and keeps it for all.
 pub(super) struct Drawer {
     choice: Choice,
+    limits: DeviceLimits,
     selection: Option<Selection>,
     loaded: Option<Loaded>,
     /// What is to be said of the loaded structures.
@@ -50,13 +52,14 @@ struct Loaded {
 }
 
 impl Drawer {
-    pub(super) fn new(args: RendererArgs) -> Drawer {
-        Drawer::with(Choice::from_name(&args.renderer.name()).unwrap_or_default())
+    pub(super) fn new(args: RendererArgs, limits: LimitsArgs) -> Drawer {
+        Drawer::with(Choice::from_name(&args.renderer.name()).unwrap_or_default(), limits.of_device())
     }
 
-    fn with(choice: Choice) -> Drawer {
+    fn with(choice: Choice, limits: DeviceLimits) -> Drawer {
         Drawer {
             choice,
+            limits,
             selection: None,
             loaded: None,
             missing: None,
@@ -70,7 +73,7 @@ impl Drawer {
     fn ready(&mut self) -> Result<(&mut dyn Renderer, &Loaded)> {
         let selection = match self.selection.take() {
             Some(selection) => selection,
-            None => select(self.choice)?,
+            None => select_under(self.choice, self.limits)?,
         };
         let renderer = self.selection.insert(selection).renderer.as_mut();
         let loaded = self.loaded.as_ref().ok_or_else(|| Error::Unsupported("nothing was loaded".to_owned()))?;
@@ -187,7 +190,7 @@ impl Draw for Drawer {
             self.selection = Some(select(self.choice).ok()?);
         }
         let is_cpu = self.selection.as_ref().is_some_and(|selection| selection.renderer.name() == "cpu");
-        let new = || -> Box<dyn Draw> { Box::new(Drawer::with(Choice::Cpu)) };
+        let new = || -> Box<dyn Draw> { Box::new(Drawer::with(Choice::Cpu, DeviceLimits::Full)) };
         is_cpu.then(|| Box::new(new) as Box<dyn Fn() -> Box<dyn Draw> + Sync>)
     }
 }

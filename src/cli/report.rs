@@ -74,12 +74,15 @@ impl Report {
         }
         let (stop, stopped) = channel();
         let shown = bar.clone();
-        std::thread::spawn(move || {
+        let show = move || {
             if stopped.recv_timeout(BAR_AFTER) == Err(RecvTimeoutError::Timeout) {
                 shown.set_draw_target(ProgressDrawTarget::stderr());
                 shown.enable_steady_tick(Duration::from_millis(100));
             }
-        });
+        };
+        if std::thread::Builder::new().name("progress".to_owned()).spawn(show).is_err() {
+            return; // a system without room for a thread has none for a bar
+        }
         self.bar = Some((bar, stop));
     }
 
@@ -118,9 +121,14 @@ impl Report {
     }
 }
 
+/// Marks that show text in another order than it stands (Unicode Standard Annex 9, 2.1 to 2.5): a name that is not what it seems.
+fn turns_text(c: char) -> bool {
+    matches!(c, '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}' | '\u{2028}' | '\u{2029}')
+}
+
 /// The text with everything that could steer a terminal replaced.
 pub(super) fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { '\u{FFFD}' } else { c }).collect()
+    text.chars().map(|c| if c.is_control() || turns_text(c) { '\u{FFFD}' } else { c }).collect()
 }
 
 #[cfg(test)]
@@ -140,5 +148,6 @@ mod tests {
     #[test]
     fn texts_from_files_cannot_steer_the_terminal() {
         assert_eq!(printable("a\x1b[2Jb\rc"), "a\u{FFFD}[2Jb\u{FFFD}c");
+        assert_eq!(printable("\u{202E}bdp.scr é"), "\u{FFFD}bdp.scr é");
     }
 }

@@ -1,8 +1,8 @@
 //! Writing a file whole or not at all.
 //!
-//! The bytes go to a temporary file `.NAME.XXXXXX.tmp` in the folder of the target, which takes the target's name
-//! when all is written. A run that fails or is killed leaves the old file as it was;
-//! at worst such a temporary file stays.
+//! The bytes go to a file without a name, or where the system has no such files to a temporary one `.NAME.XXXXXX.tmp`, in the
+//! folder of the target, which takes the target's name when all is written ([`super::unfinished`]). A run that fails or is killed
+//! leaves the old file as it was; at worst such a temporary file stays.
 //!
 //! - `-` and `/dev/stdout` are standard output.
 //! - What is not a regular file (`/dev/null`, pipes, sockets) and everything under `/dev` and `/proc` is written
@@ -14,6 +14,7 @@
 //! Limit: the data is not forced to the disk before the rename, so this protects from failing and killed
 //! runs, not from power cuts.
 
+use super::unfinished::{Named, Written};
 use crate::error::{Error, Result};
 use std::ffi::OsString;
 use std::fs::{File, Metadata};
@@ -85,7 +86,13 @@ fn replace(
     old: Option<&Metadata>,
     body: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    replace_file(target, old, |temporary| buffered(temporary.as_file_mut(), body))
+    let folder = folder_of(target, old)?;
+    let file = Written::new(folder, &temporary_prefix(target))?;
+    buffered(file.file()?, body)?;
+    if let Some(old) = old {
+        file.file()?.set_permissions(old.permissions())?;
+    }
+    file.persist(target)
 }
 
 /// As [`write()`], for another program that writes: `body` gets the path of the temporary file. Only files will do.
@@ -99,14 +106,19 @@ pub fn write_by_path(path: &Path, body: impl FnOnce(&Path) -> io::Result<()>) ->
     if old.as_ref().is_some_and(|old| !old.is_file()) || is_stdout(path) || is_system_path(path) {
         return Err(failed(io::Error::new(ErrorKind::InvalidInput, "it is no file; give the name of one")));
     }
-    replace_file(&target, old.as_ref(), |temporary| body(temporary.path())).map_err(failed)
+    let written = || {
+        let file = Named::new(folder_of(&target, old.as_ref())?, &temporary_prefix(&target))?;
+        body(file.path())?;
+        if let (Some(old), Some(file)) = (&old, file.file()) {
+            file.set_permissions(old.permissions())?;
+        }
+        file.persist(&target)
+    };
+    written().map_err(failed)
 }
 
-fn replace_file(
-    target: &Path,
-    old: Option<&Metadata>,
-    body: impl FnOnce(&mut tempfile::NamedTempFile) -> io::Result<()>,
-) -> io::Result<()> {
+/// The folder of a target that may be written.
+fn folder_of<'a>(target: &'a Path, old: Option<&Metadata>) -> io::Result<&'a Path> {
     if old.is_some_and(|metadata| metadata.permissions().readonly()) {
         let message = "the file is there and write-protected; remove the protection or choose another name";
         return Err(io::Error::new(ErrorKind::PermissionDenied, message));
@@ -119,22 +131,7 @@ fn replace_file(
         let message = format!("there is no folder {}; make it first", folder.display());
         return Err(io::Error::new(ErrorKind::NotFound, message));
     }
-    let mut builder = tempfile::Builder::new();
-    let prefix = temporary_prefix(target);
-    builder.prefix(&prefix).suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666)); // less the umask, as for any new file
-    }
-    // Without tempfile's own words about its temporary name: the caller names the target.
-    let plain = |error: io::Error| error.raw_os_error().map_or(error, io::Error::from_raw_os_error);
-    let mut temporary = builder.tempfile_in(folder).map_err(plain)?;
-    body(&mut temporary)?;
-    if let Some(old) = old {
-        temporary.as_file().set_permissions(old.permissions())?;
-    }
-    temporary.persist(target).map(drop).map_err(|error| error.error)
+    Ok(folder)
 }
 
 /// `.NAME.`, cut so that the temporary name stays within the 255 bytes that file systems allow.
@@ -206,16 +203,19 @@ mod tests {
     }
 
     #[test]
-    fn the_temporary_file_is_in_the_same_folder_and_recognisable() {
+    fn another_program_gets_a_temporary_name_in_the_same_folder() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("fig.png");
-        write(&path, |_| {
+        let path = folder.path().join("film.mp4");
+        write_by_path(&path, |place| {
             let names = listing(folder.path());
-            assert!(names.len() == 1 && names[0].starts_with(".fig.png.") && names[0].ends_with(".tmp"), "{names:?}");
-            Ok(())
+            assert!(names.len() == 1 && names[0].starts_with(".film.mp4.") && names[0].ends_with(".tmp"), "{names:?}");
+            fs::write(place, "a film")
         })
         .unwrap();
-        assert_eq!(listing(folder.path()), ["fig.png"]);
+        assert_eq!(
+            (listing(folder.path()), fs::read(&path).unwrap()),
+            (vec!["film.mp4".to_owned()], b"a film".to_vec())
+        );
     }
 
     #[test]

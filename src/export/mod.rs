@@ -1,6 +1,6 @@
 //! Files out: pictures, channels and structure formats, each written whole or not at all.
 //!
-//! [`atomic`] owns every write. [`picture`] turns what a renderer hands back into a picture file, [`animation`] many of them into a film; [`formats`] is
+//! [`atomic`] owns every write, and [`unfinished`] what a run that ends early must not leave behind. [`picture`] turns what a renderer hands back into a picture file, [`animation`] many of them into a film; [`formats`] is
 //! the table of structure formats, one module each ([`json`], [`mmcif`], [`cjson`], [`mol2`], [`pdb`], [`sdf`], [`xyz`]). Writers take any [`std::io::Write`] and
 //! stream: none builds the file in memory. What a format cannot hold is named by `losses`, never dropped silently.
 
@@ -17,6 +17,7 @@ pub mod picture;
 mod png;
 pub mod sdf;
 mod text;
+pub mod unfinished;
 pub mod xyz;
 
 /// Rounds to six decimals where that changes a number by no more than 1e-9 of it: edge lengths and angles

@@ -18,15 +18,28 @@ pub(super) fn read_all(mut file: File, size: u64, most: u64) -> io::Result<Vec<u
         file.seek(SeekFrom::Start(bytes.len() as u64))?;
     }
     if bytes.is_empty() {
-        bytes.reserve_exact(said.saturating_add(1));
+        bytes.try_reserve_exact(said.saturating_add(1)).map_err(|_| io::ErrorKind::OutOfMemory)?;
     }
     // `take` stops at what never ends (a device) as well.
     file.take(most - bytes.len() as u64).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
+/// Whether it is a device that gives bytes one after another, `/dev/zero` or a terminal.
+#[cfg(unix)]
+pub(super) fn is_device(metadata: &std::fs::Metadata) -> bool {
+    std::os::unix::fs::FileTypeExt::is_char_device(&metadata.file_type())
+}
+
+#[cfg(not(unix))]
+pub(super) fn is_device(_: &std::fs::Metadata) -> bool {
+    false
+}
+
 /// The first `size` bytes; an error if there are fewer, or if they can only be read one after another.
 fn read_pieces(file: &File, size: usize, piece_bytes: usize) -> io::Result<Vec<u8>> {
+    // A vector of zeros is memory that the system has cleared already; whether there is as much is asked first.
+    Vec::<u8>::new().try_reserve_exact(size).map_err(|_| io::ErrorKind::OutOfMemory)?;
     let mut bytes = vec![0; size];
     let pieces = bytes.par_chunks_mut(piece_bytes).enumerate();
     pieces.try_for_each(|(index, piece)| read_exact_at(file, piece, (index * piece_bytes) as u64))?;

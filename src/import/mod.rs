@@ -330,6 +330,9 @@ impl Document {
     }
 }
 
+/// Most bytes that are read of a device, such as a terminal (chosen: no one types as many).
+const DEVICE_BYTES: u64 = 1 << 26;
+
 /// Reads a file; `-` is standard input.
 ///
 /// # Errors
@@ -345,11 +348,18 @@ pub fn read_path(path: &Path, options: &ImportOptions) -> Result<Document> {
     } else {
         let file = std::fs::File::open(path).map_err(io_error)?;
         trajectory::refuse_alone(path)?;
-        let size = file.metadata().map_or(0, |metadata| metadata.len());
+        let metadata = file.metadata().map_err(io_error)?;
+        let size = metadata.len();
         if size > limit {
             return Err(too_large(limit));
         }
-        file::read_all(file, size, limit.saturating_add(1)).map_err(io_error)?
+        // A device may have no end.
+        let limit = if file::is_device(&metadata) { limit.min(DEVICE_BYTES) } else { limit };
+        let bytes = file::read_all(file, size, limit.saturating_add(1)).map_err(io_error)?;
+        if bytes.len() as u64 > limit {
+            return Err(too_large(limit));
+        }
+        bytes
     };
     if bytes.len() as u64 > limit {
         return Err(too_large(limit));

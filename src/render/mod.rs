@@ -30,7 +30,7 @@ pub mod tubes;
 
 pub use image::{GBuffer, Image, SkyVisibility};
 pub use pick::{Hit, Picker};
-pub use select::{Choice, Selection, select};
+pub use select::{Choice, DeviceLimits, Selection, select, select_under};
 pub use settings::{Quality, Settings, View};
 
 use crate::error::Result;

@@ -40,6 +40,16 @@ impl Choice {
     }
 }
 
+/// What is asked of a graphics device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DeviceLimits {
+    /// Its own limits.
+    #[default]
+    Full,
+    /// No more than what WebGL 2 has everywhere.
+    Downlevel,
+}
+
 /// The renderer, and why it is the one.
 pub struct Selection {
     /// Ready to draw.
@@ -54,6 +64,14 @@ pub struct Selection {
 /// # Errors
 /// None today; a later renderer may have no replacement.
 pub fn select(choice: Choice) -> Result<Selection> {
+    select_under(choice, DeviceLimits::Full)
+}
+
+/// The same with limits on what a device may be used for.
+///
+/// # Errors
+/// As [`select`].
+pub fn select_under(choice: Choice, limits: DeviceLimits) -> Result<Selection> {
     let cpu = |reason: String, notices: Vec<String>| {
         let renderer = WithFallback { gpu: None, cpu: CpuRenderer::new(), scene: None, notices };
         Selection { renderer: Box::new(renderer), reason }
@@ -61,7 +79,7 @@ pub fn select(choice: Choice) -> Result<Selection> {
     if choice == Choice::Cpu {
         return Ok(cpu("the CPU renderer was asked for".to_owned(), Vec::new()));
     }
-    Ok(match gpu(choice) {
+    Ok(match gpu(choice, limits) {
         Ok(renderer) => {
             let asked = if choice == Choice::Gpu { "was asked for" } else { "is a real GPU" };
             let reason = format!("{} {asked}", renderer.name());
@@ -76,14 +94,17 @@ pub fn select(choice: Choice) -> Result<Selection> {
 }
 
 #[cfg(feature = "gpu")]
-fn gpu(choice: Choice) -> Result<Box<dyn Renderer>> {
+fn gpu(choice: Choice, limits: DeviceLimits) -> Result<Box<dyn Renderer>> {
     use super::gpu::{AdapterWish, GpuRenderer};
     let wish = if choice == Choice::Gpu { AdapterWish::Any } else { AdapterWish::Hardware };
-    Ok(Box::new(GpuRenderer::new(wish)?))
+    Ok(Box::new(match limits {
+        DeviceLimits::Full => GpuRenderer::new(wish)?,
+        DeviceLimits::Downlevel => GpuRenderer::downlevel(wish)?,
+    }))
 }
 
 #[cfg(not(feature = "gpu"))]
-fn gpu(_choice: Choice) -> Result<Box<dyn Renderer>> {
+fn gpu(_choice: Choice, _limits: DeviceLimits) -> Result<Box<dyn Renderer>> {
     Err(Error::Gpu("this build has no GPU renderer (feature \"gpu\")".to_owned()))
 }
 
@@ -141,7 +162,9 @@ impl Renderer for WithFallback {
     }
 
     fn take_notices(&mut self) -> Vec<String> {
-        std::mem::take(&mut self.notices)
+        let mut notices = self.gpu.as_mut().map_or_else(Vec::new, |gpu| gpu.take_notices());
+        notices.append(&mut self.notices);
+        notices
     }
 }
 

@@ -27,7 +27,17 @@ use crate::scene::{
 };
 use crate::select::Selection;
 use serde::{Deserialize, Serialize};
+use std::io::Read;
 use std::path::{Path, PathBuf};
+
+/// Most bytes of a file that may hold a session: more than pictures of ours have that compress at all (chosen).
+const MOST_BYTES: u64 = 1 << 30;
+
+/// The same of what is no regular file (chosen).
+const MOST_STREAM_BYTES: u64 = 1 << 26;
+
+/// Most measurements of a session: their numbers are kept from one another's way, which takes the square of them (chosen; nobody reads as many).
+const MOST_MEASUREMENTS: usize = 1000;
 
 /// The version of the format that is written, and the newest that is read.
 pub const VERSION: u32 = 1;
@@ -488,7 +498,6 @@ impl Session {
     /// Whether a file looks like one. What cannot be read does not.
     #[must_use]
     pub fn is_at(path: &Path) -> bool {
-        use std::io::Read;
         // To open a pipe waits for its writer, and what is read from it here its reader does not get.
         if !std::fs::metadata(path).is_ok_and(|metadata| metadata.is_file()) {
             return false;
@@ -542,6 +551,10 @@ impl Session {
                 "pairs of the number of a file and of an atom, from 1",
             ));
         }
+        if session.measurements.len() > MOST_MEASUREMENTS {
+            let found = session.measurements.len().to_string();
+            return Err(wrong("measurements", &found, &format!("at most {MOST_MEASUREMENTS} of them")));
+        }
         if !session.measurements.iter().all(|atoms| (2..=4).contains(&atoms.len())) {
             return Err(wrong("measurements", "another number of atoms", "two, three or four atoms each"));
         }
@@ -554,8 +567,16 @@ impl Session {
     /// # Errors
     /// If the file cannot be read or is no session.
     pub fn read(path: &Path) -> Result<Session> {
-        let bytes =
-            std::fs::read(path).map_err(|source| Error::Io { action: "read", path: path.to_owned(), source })?;
+        let failed = |source| Error::Io { action: "read", path: path.to_owned(), source };
+        let file = std::fs::File::open(path).map_err(failed)?;
+        // What is no regular file may have no end.
+        let is_regular = file.metadata().is_ok_and(|metadata| metadata.is_file());
+        let most = if is_regular { MOST_BYTES } else { MOST_STREAM_BYTES };
+        let mut bytes = Vec::new();
+        file.take(most + 1).read_to_end(&mut bytes).map_err(failed)?;
+        if bytes.len() as u64 > most {
+            return Err(Error::limit(None, format!("more than {} MiB are no session", most >> 20)));
+        }
         let folder = path.parent().unwrap_or(Path::new(""));
         if picture::is_picture(&bytes) { picture::session_in(&bytes, folder) } else { Session::parse(&bytes, folder) }
     }

@@ -4,10 +4,14 @@
 //! more than there is stand by themselves. A panic fails the test; results may be anything.
 
 use ballstick::bonds::{self, BondOptions};
+use ballstick::crystal::{self, CrystalOptions};
 use ballstick::export::formats::FORMATS;
 use ballstick::import::{Format, ImportOptions, read_bytes};
+use ballstick::render::cpu::CpuRenderer;
+use ballstick::render::{Renderer, Settings, View};
 use ballstick::scene::{Item, Scene, SceneOptions};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Reads, and where that gives anything finds bonds, builds the scene and writes: odd structures break there.
 fn go_the_whole_way(bytes: &[u8], name: &str, options: &ImportOptions) {
@@ -181,14 +185,41 @@ fn data_files(folder: &Path, found: &mut Vec<PathBuf>) {
     found.sort();
 }
 
-/// Cuts and changes a file in two hundred ways.
+/// Atoms of the largest molecule that is drawn again and again.
+const MOST_DRAWN: usize = 3000;
+
+/// Draws what can be read into a small picture: nothing in it is no number.
+fn draw(bytes: &[u8], name: &str, renderer: &mut CpuRenderer) {
+    let Ok(document) = read_bytes(bytes, name, &ImportOptions::default()) else { return };
+    let Some(record) = document.records.into_iter().next().filter(|record| record.atom_count() <= MOST_DRAWN) else {
+        return;
+    };
+    let options = CrystalOptions { most_atoms: 2 * MOST_DRAWN, ..CrystalOptions::default() };
+    let Ok(drawn) = crystal::draw(record, &options) else { return };
+    let scene = Arc::new(Scene::new(&[Item::drawn(&drawn, None)], &SceneOptions::default()));
+    let view = View::new(scene.fitted_camera(1.0), 64, 64);
+    renderer.load(scene).unwrap();
+    let settings = Settings { samples: 1, ground_texels: 64, ao: 8, shadow: true };
+    assert_eq!(renderer.image(&view, &settings).unwrap().rgba.len(), 64 * 64 * 4);
+    let surface = renderer.gbuffer(&view).unwrap();
+    assert!(surface.depth.iter().all(|depth| !depth.is_nan() && *depth > 0.0), "{name}");
+    assert!(surface.normal.iter().flatten().all(|part| part.is_finite() && part.abs() <= 1.001), "{name}");
+    assert!(renderer.sky_visibility(&view, 4).unwrap().open.iter().all(|open| (0.0..=1.0).contains(open)), "{name}");
+}
+
+/// Cuts and changes a file in two hundred ways; draws one in ten.
 fn torment(name: &str, bytes: &[u8]) {
     let options = ImportOptions::default();
+    let mut renderer = CpuRenderer::new();
     for point in 0..100 {
-        go_the_whole_way(&bytes[..bytes.len() * point / 100], name, &options);
+        let part = &bytes[..bytes.len() * point / 100];
+        go_the_whole_way(part, name, &options);
+        if point % 10 == 9 {
+            draw(part, name, &mut renderer);
+        }
     }
     let mut random = Xorshift(0x9E37_79B9_7F4A_7C15);
-    for _ in 0..100 {
+    for round in 0..100 {
         let mut changed = bytes.to_vec();
         for _ in 0..=random.below(8) {
             let (at, bit) = (random.below(changed.len()), random.below(8));
@@ -197,6 +228,9 @@ fn torment(name: &str, bytes: &[u8]) {
             }
         }
         go_the_whole_way(&changed, name, &options);
+        if round % 10 == 0 {
+            draw(&changed, name, &mut renderer);
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 use super::{AnimationOptions, Film};
 use crate::error::{Error, Result};
 use crate::export::picture::flattened;
+use crate::export::unfinished::Writer;
 use crate::render::Image;
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -51,6 +52,8 @@ pub(super) struct Mp4 {
     /// What it says.
     said: Option<JoinHandle<String>>,
     options: AnimationOptions,
+    /// Ends with us.
+    _writer: Writer,
 }
 
 impl Mp4 {
@@ -71,6 +74,7 @@ impl Mp4 {
             .stdout(Stdio::null())
             .stderr(Stdio::piped());
         let mut child = command.spawn()?;
+        let writer = Writer::new(child.id());
         let said = child.stderr.take().and_then(|mut stderr| {
             let read = move || {
                 let mut text = Vec::new();
@@ -81,7 +85,7 @@ impl Mp4 {
             };
             std::thread::Builder::new().name("ffmpeg".to_owned()).spawn(read).ok()
         });
-        Ok(Mp4 { child, said, options: options.clone() })
+        Ok(Mp4 { child, said, options: options.clone(), _writer: writer })
     }
 
     /// Why it ended before it was told to.

@@ -68,6 +68,9 @@ pub struct GpuRenderer {
     ground: Ground,
     sky: Sky,
     targets: Option<Targets>,
+    /// Whether it was said that the light from afar does not fit; once a scene is enough.
+    is_lack_said: bool,
+    notices: Vec<String>,
 }
 
 impl GpuRenderer {
@@ -85,6 +88,14 @@ impl GpuRenderer {
     /// [`Error::Gpu`] with what was tried and why it would not do.
     pub fn with_limits(wish: AdapterWish, limits: &wgpu::Limits) -> Result<GpuRenderer> {
         GpuRenderer::open(wish, Some(limits))
+    }
+
+    /// The same under the limits that all devices keep.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] with what was tried and why it would not do.
+    pub fn downlevel(wish: AdapterWish) -> Result<GpuRenderer> {
+        GpuRenderer::open(wish, Some(&wgpu::Limits::downlevel_webgl2_defaults()))
     }
 
     /// A renderer on wgpu's `noop` backend, which checks every call and shader and draws nothing: for tests on machines
@@ -107,7 +118,18 @@ impl GpuRenderer {
         let passes = Passes::new(&gpu)?;
         let (ground, sky) = gpu.guard("making the light", || Ok((Ground::new(&gpu), Sky::new(&gpu, &passes))))?;
         let (written, scene, instances, targets) = (None, None, None, None);
-        Ok(GpuRenderer { gpu, passes, written, scene, instances, ground, sky, targets })
+        Ok(GpuRenderer {
+            gpu,
+            passes,
+            written,
+            scene,
+            instances,
+            ground,
+            sky,
+            targets,
+            is_lack_said: false,
+            notices: Vec::new(),
+        })
     }
 
     /// What it runs on; `None` on the noop backend.
@@ -254,6 +276,7 @@ impl Renderer for GpuRenderer {
             (self.scene, self.instances, self.written) = (None, None, None);
             self.ground.clear();
             self.sky.clear();
+            self.is_lack_said = false;
             self.instances = Some(Instances::new(&self.gpu, &self.passes, &scene)?);
         }
         self.scene = Some(scene);
@@ -282,11 +305,23 @@ impl Renderer for GpuRenderer {
             Ok(())
         })?;
         self.targets = Some(targets);
+        if self.sky.take_lack() && !self.is_lack_said {
+            self.is_lack_said = true;
+            let largest = self.gpu.limits.max_texture_dimension_2d;
+            self.notices.push(format!(
+                "there is no ambient occlusion and no shadow on the molecule: the scene is too large for a graphics device whose textures \
+                 have {largest} pixels a side; --renderer cpu draws both"
+            ));
+        }
         let mut image = Image { width: region.width, height: region.height, rgba };
         if let Some(scene) = self.scene.clone() {
             self.write(&mut image, &scene, view, true)?;
         }
         Ok(image)
+    }
+
+    fn take_notices(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notices)
     }
 
     fn gbuffer(&mut self, view: &View) -> Result<GBuffer> {

@@ -17,6 +17,7 @@ use crate::render::settings::Settings;
 use crate::render::sky::Turns;
 use crate::render::tubes::{Tubes, tubes};
 use glam::Vec3;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Words of a light's tubes up to which all directions are uploaded at once. Chosen: 64 MiB.
 const ALL_AT_ONCE: usize = 16 << 20;
@@ -70,6 +71,8 @@ pub(super) struct Sky {
     idle: wgpu::BindGroup,
     /// All that is asked, unless a light is split.
     group: Option<wgpu::BindGroup>,
+    /// Whether something that was asked did not fit the device.
+    lacks: AtomicBool,
 }
 
 impl Sky {
@@ -80,7 +83,7 @@ impl Sky {
         let no_casters = blank("no casters", FIELD_FORMAT);
         let idle = bind(gpu, passes, [&none, &none], &no_casters);
         let (lights, center) = (Default::default(), Vec3::ZERO);
-        Sky { lights, casters: None, center, none, no_casters, idle, group: None }
+        Sky { lights, casters: None, center, none, no_casters, idle, group: None, lacks: AtomicBool::new(false) }
     }
 
     /// Forgets the scene.
@@ -98,6 +101,9 @@ impl Sky {
         settings: &Settings,
     ) -> Result<()> {
         self.hold(casters, center);
+        if casters.is_none() {
+            self.lacks.store(true, Ordering::Relaxed);
+        }
         for (light, wanted) in self.lights.iter_mut().zip(Source::wanted(key_in_world, settings)) {
             if light.source != wanted {
                 self.group = None;
@@ -152,7 +158,17 @@ impl Sky {
     fn of_sample(&self, gpu: &Gpu, light: &Light, sample: u32) -> Option<Texels> {
         let casters = self.casters.as_ref().filter(|_| light.is_split)?;
         let tubes = tubes(&casters.bounds, self.center, light.turns.of_sample(sample));
-        Texels::new(gpu, &Packed::new(&tubes, [light.turns.each, 1], MOST_WORDS)?)
+        let texels =
+            Packed::new(&tubes, [light.turns.each, 1], MOST_WORDS).and_then(|packed| Texels::new(gpu, &packed));
+        if texels.is_none() {
+            self.lacks.store(true, Ordering::Relaxed);
+        }
+        texels
+    }
+
+    /// Whether something that was asked since the last call did not fit the device, so that it is not in the picture.
+    pub(super) fn take_lack(&self) -> bool {
+        self.lacks.swap(false, Ordering::Relaxed)
     }
 
     fn bound(&self, gpu: &Gpu, passes: &Passes, lights: [&Texels; 2]) -> wgpu::BindGroup {
