@@ -278,9 +278,9 @@ impl Surface {
                 // The opacity is that of the first corner.
                 let color = Srgb8 { a: triangle.colors[0].a, ..triangle.colors[corner] };
                 let (position, normal) = (triangle.corners[corner], triangle.normals[corner]);
-                let bits = [position, normal].as_flattened().iter().map(|x| (x + 0.0).to_bits());
                 let mut key = [0; 6];
-                key.iter_mut().zip(bits).for_each(|(slot, bits)| *slot = bits);
+                let numbers = position.iter().chain(&normal);
+                key.iter_mut().zip(numbers).for_each(|(slot, x)| *slot = (x + 0.0).to_bits());
                 *seen.entry((key, color)).or_insert_with(|| {
                     surface.positions.push(to_model.transform_point3(position.into()));
                     surface.normals.push(to_model.transform_vector3(normal.into()).normalize_or(Vec3::Y));

@@ -98,7 +98,7 @@ impl Read {
 /// By the crate `gltf`, whose validation the file passes; instances by the extension's words.
 fn read_gltf(bytes: &[u8]) -> Read {
     use base64::Engine;
-    let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes).unwrap();
+    let ::gltf::Gltf { document, blob } = ::gltf::Gltf::from_slice_without_validation(bytes).unwrap();
     // The crate knows the extension by no name: all else must be sound.
     let json = document.as_json();
     let mut errors = Vec::new();
@@ -127,7 +127,7 @@ fn read_gltf(bytes: &[u8]) -> Read {
         bytes.chunks_exact(size).map(|one| one.chunks_exact(4).map(number).collect()).collect()
     };
     let mut read = Read::default();
-    let mut stack: Vec<(gltf::Node<'_>, Mat4)> =
+    let mut stack: Vec<(::gltf::Node<'_>, Mat4)> =
         document.default_scene().unwrap().nodes().map(|node| (node, Mat4::IDENTITY)).collect();
     while let Some((node, from_parent)) = stack.pop() {
         let here = from_parent * Mat4::from_cols_array_2d(&node.transform().matrix());
@@ -159,7 +159,7 @@ fn read_gltf(bytes: &[u8]) -> Read {
             assert_eq!((Vec3::from(bounds.min), Vec3::from(bounds.max)), (low, high));
             let colors: Option<Vec<[f32; 4]>> = reader.read_colors(0).map(|all| all.into_rgba_f32().collect());
             let factor = primitive.material().pbr_metallic_roughness().base_color_factor();
-            let is_blended = primitive.material().alpha_mode() == gltf::material::AlphaMode::Blend;
+            let is_blended = primitive.material().alpha_mode() == ::gltf::material::AlphaMode::Blend;
             let corners: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
             for instance in &instances {
                 for corner in corners.chunks_exact(3) {

@@ -147,13 +147,8 @@ impl<'a> Buffers<'a> {
     }
 
     /// The places and bytes of the elements that a sparse accessor states.
-    fn replaced<'b>(
-        &'b self,
-        root: &Root,
-        index: usize,
-        accessor: &Accessor,
-    ) -> Result<impl Iterator<Item = (u32, &'b [u8])>> {
-        let Some(sparse) = &accessor.sparse else { return Ok(None.into_iter().flatten()) };
+    fn replaced<'b>(&'b self, root: &Root, index: usize, accessor: &Accessor) -> Result<Vec<(u32, &'b [u8])>> {
+        let Some(sparse) = &accessor.sparse else { return Ok(Vec::new()) };
         let wrong =
             || Error::input(None, format!("accessor {index}: the places of its sparse elements are no numbers"));
         let Checked::Valid(IndexComponentType(places)) = sparse.indices.component_type else { return Err(wrong()) };
@@ -162,7 +157,7 @@ impl<'a> Buffers<'a> {
         let places = self.table(root, index, at, sparse.count.0, (places, 1))?;
         let at = (sparse.values.buffer_view.value(), sparse.values.byte_offset.0);
         let values = self.table(root, index, at, sparse.count.0, kind(index, accessor)?)?;
-        Ok(Some(places.iter().map(read).zip(values.iter())).into_iter().flatten())
+        Ok(places.iter().map(read).zip(values.iter()).collect())
     }
 }
 
@@ -193,7 +188,7 @@ fn whole_number(component: ComponentType) -> Option<fn(&[u8]) -> u32> {
 }
 
 impl<'a> Elements<'a> {
-    fn iter(&self) -> impl Iterator<Item = &'a [u8]> {
+    fn iter(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
         let (bytes, stride, element) = (self.bytes, self.stride, self.element);
         (0..self.count).map(move |index| &bytes[index * stride..index * stride + element])
     }
