@@ -42,7 +42,7 @@
 //! | [`select`] | atoms by words, as in `chain A and not water`: the language, its errors and completions |
 //! | [`scene`] | blocks of primitives × placements, styles, colours, arrows, overlays, camera, light, ground; knows no renderer |
 //! | [`render`] | the definition of the picture ([`render::frame`]), the CPU renderer, the wgpu renderer, and the choice between them |
-//! | [`export`] | picture files, structure files, atomic writes |
+//! | [`export`] | picture files, structure files, scenes as solid shapes ([`export::solid`]), atomic writes |
 //! | [`session`] | all that makes a picture, as JSON and as a command line |
 //! | [`cli`], `app` | the commands, the window; no chemistry |
 //!
@@ -115,8 +115,10 @@
 //! - Formal charges of metals are not told, nor those of acids and amines whose hydrogens a file leaves out. Nitrides and carbenes on
 //!   metals have single bonds or dashes.
 //! - Dative bonds do not keep which atom gives the pair.
-//! - Of meshes neither textures nor, in glTF, sparse accessors, compression, skins and morph targets are read; polygons of OBJ files are
-//!   fans, so that concave ones come out wrong. Vectors do not turn with symmetry operations: no format that states them has any.
+//! - Exported meshes have no ground, light and texts. Shells of an STL file overlap and are not united, and an overlay in it is closed only if it was.
+//!   Programs that do not know `EXT_mesh_gpu_instancing` need `--compat`, whose triangles do not say which atom they are of. `convert` takes no session.
+//! - Textures of meshes are read at their vertices and nowhere between. Of glTF compression, skins and morph targets are not read; polygons of OBJ files
+//!   are fans, so that concave ones come out wrong. Vectors do not turn with symmetry operations: no format that states them has any.
 
 #[cfg(feature = "window")]
 pub mod app;

@@ -218,8 +218,8 @@ pub fn write(
         return Err(Error::input(None, "nothing is drawn, so there is nothing to write"));
     }
     match format {
-        SolidFormat::Glb => gltf::write(&model, true, path)?,
-        SolidFormat::Gltf => gltf::write(&model, false, path)?,
+        SolidFormat::Glb => gltf::write(&model, &totals, true, path)?,
+        SolidFormat::Gltf => gltf::write(&model, &totals, false, path)?,
         SolidFormat::Obj => obj::write(&model, &totals, path)?,
         SolidFormat::Ply => ply::write(&model, &totals, path)?,
         SolidFormat::Stl => return stl::write(&model, &totals, path),

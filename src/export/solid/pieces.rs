@@ -1,7 +1,8 @@
 //! What a scene is made of, as unit meshes and where they stand.
 //!
 //! A ball is a ball, a stick one tube or, in two colours, two, with a dome at each round end; cones and rings are one piece each. As closed shells (for
-//! printing) a stick is one closed tube whatever its colours, with a whole ball at each round end.
+//! printing) a stick is one closed tube whatever its colours, with a whole ball at each round end; of balls at one place, as where sticks meet, there is one,
+//! since shells with corners in common are no solids to many programs.
 //!
 //! Two spaces: `model` is that of the files' axes about the middle of the scene ([`Frame`]), in ångström, in which numbers are small; the writers
 //! place it in the file they write.
@@ -11,7 +12,7 @@ use super::{Coordinates, SolidOptions};
 use crate::color::Srgb8;
 use crate::scene::{Cap, ConeInstance, CylinderInstance, Placement, Scene, SphereInstance, TorusInstance};
 use glam::{Affine3A, DVec3, Quat, Vec3};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Sticks and cones shorter than this draw nothing (as in the renderers).
 const LEAST_LENGTH: f32 = 1e-6;
@@ -91,12 +92,23 @@ impl Frame {
 pub(super) struct Cutter {
     tessellation: Tessellation,
     closed: bool,
+    /// Of closed shells, where balls are and how large.
+    balls: HashSet<([i64; 3], u32)>,
 }
+
+/// Balls nearer than this, in ångström, are at one place: less than the least error of a mesh.
+const SAME_PLACE: f32 = 1e-4;
 
 impl Cutter {
     /// `closed` makes a closed shell of every piece.
     pub(super) fn new(options: &SolidOptions, closed: bool) -> Cutter {
-        Cutter { tessellation: Tessellation::new(options.tolerance), closed }
+        Cutter { tessellation: Tessellation::new(options.tolerance), closed, balls: HashSet::new() }
+    }
+
+    /// Whether a ball is to be written; of closed ones at the same place the first is.
+    fn is_new_ball(&mut self, center: Vec3, radius: f32) -> bool {
+        let place = (center / SAME_PLACE).round().to_array().map(|x| x as i64);
+        !self.closed || self.balls.insert((place, radius.to_bits()))
     }
 
     /// Every piece of a placement, in the order of the block.
@@ -130,7 +142,7 @@ impl Cutter {
         push: &mut impl FnMut(Piece) -> Result<(), E>,
     ) -> Result<(), E> {
         let center = to_model.transform_point3(sphere.center.into());
-        if !center.is_finite() || !is_length(sphere.radius) {
+        if !center.is_finite() || !is_length(sphere.radius) || !self.is_new_ball(center, sphere.radius) {
             return Ok(());
         }
         push(Piece {
@@ -179,7 +191,7 @@ impl Cutter {
             push(tube(0.5, 1.0, [false, is_flat[1]], colors[1]))?;
         }
         for end in [0, 1] {
-            if !is_round[end] {
+            if !is_round[end] || !self.is_new_ball([a, b][end], radius) {
                 continue;
             }
             let shape = match self.closed {
@@ -372,6 +384,16 @@ mod tests {
         assert!(matches!(pieces[0].shape, Shape::Tube(_, [true, true])), "{pieces:?}");
         assert!(matches!(pieces[1].shape, Shape::Ball(_)));
         assert_eq!(pieces.len(), 2);
+    }
+
+    #[test]
+    fn where_closed_sticks_meet_there_is_one_ball() {
+        let mut block = stick([Cap::Round; 2], [RED; 2], [0.0, 0.0, 2.0]);
+        block.cylinders.push(CylinderInstance { b: [0.0, 2.0, 0.0], ..block.cylinders[0] });
+        block.spheres.push(SphereInstance { center: [0.0; 3], radius: 0.1, color: RED, id: 1 });
+        let balls =
+            |closed| pieces(block.clone(), closed).iter().filter(|piece| matches!(piece.shape, Shape::Ball(_))).count();
+        assert_eq!((balls(true), balls(false)), (3, 1));
     }
 
     #[test]

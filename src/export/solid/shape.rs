@@ -72,7 +72,7 @@ impl Tessellation {
         let wanted = self.tolerance / radius;
         let mut parts = self.balls.partition_point(|&error| error > wanted);
         while parts == self.balls.len() && parts < usize::from(MOST_FREQUENCY) {
-            let error = ball_error(ball(parts as u16 + 1).1);
+            let error = ball_error(nearest(parts as u16 + 1));
             self.balls.push(error);
             parts += usize::from(error > wanted);
         }
@@ -170,19 +170,18 @@ fn ball_error(nearest: f32) -> f32 {
 }
 
 fn ball_mesh(parts: u16) -> UnitMesh {
-    let (mut mesh, nearest) = ball(parts);
-    let outside = 1.0 + ball_error(nearest);
+    let mut mesh = ball(parts);
+    let outside = 1.0 + ball_error(nearest(parts));
     for position in &mut mesh.positions {
         *position *= outside;
     }
     mesh
 }
 
-/// A ball with its vertices at 1, and how near its nearest triangle comes to the middle.
-fn ball(parts: u16) -> (UnitMesh, f32) {
+/// The corners of an icosahedron at a distance of 1: those of three rectangles.
+fn corners() -> [Vec3; 12] {
     let golden = 0.5 * (1.0 + 5.0f32.sqrt());
-    // An icosahedron: the corners of three rectangles, and its faces from outside to the left.
-    let corners: [Vec3; 12] = [
+    [
         [-1.0, golden, 0.0],
         [1.0, golden, 0.0],
         [-1.0, -golden, 0.0],
@@ -196,7 +195,35 @@ fn ball(parts: u16) -> (UnitMesh, f32) {
         [-golden, 0.0, -1.0],
         [-golden, 0.0, 1.0],
     ]
-    .map(|corner| Vec3::from(corner).normalize());
+    .map(|corner| Vec3::from(corner).normalize())
+}
+
+/// How near the triangles of a ball with its vertices at 1 come to its middle: those of one face, as all are alike.
+fn nearest(parts: u16) -> f32 {
+    let corners = corners();
+    let n = parts.max(1);
+    let point = |i: u16, j: u16| {
+        let [a, b, c] = [n - i - j, i, j].map(f32::from);
+        (corners[0] * a + corners[11] * b + corners[5] * c).normalize()
+    };
+    let mut nearest = 1.0f32;
+    for i in 0..n {
+        for j in 0..n - i {
+            let [a, b, c] = [point(i, j), point(i + 1, j), point(i, j + 1)];
+            nearest = nearest.min((b - a).cross(c - a).normalize_or_zero().dot(a).abs());
+            if i + j + 1 < n {
+                let d = point(i + 1, j + 1);
+                nearest = nearest.min((d - b).cross(c - b).normalize_or_zero().dot(b).abs());
+            }
+        }
+    }
+    nearest
+}
+
+/// A ball with its vertices at 1.
+fn ball(parts: u16) -> UnitMesh {
+    let corners = corners();
+    // The faces, their corners from outside to the left.
     const FACES: [[usize; 3]; 20] = [
         [0, 11, 5],
         [0, 5, 1],
@@ -255,12 +282,7 @@ fn ball(parts: u16) -> (UnitMesh, f32) {
         }
     }
     mesh.normals.clone_from(&mesh.positions);
-    let distance = |&[a, b, c]: &[u32; 3]| {
-        let [a, b, c] = [a, b, c].map(|vertex| mesh.positions[vertex as usize]);
-        (b - a).cross(c - a).normalize_or_zero().dot(a).abs()
-    };
-    let nearest = mesh.triangles.iter().map(distance).fold(1.0, f32::min);
-    (mesh, nearest)
+    mesh
 }
 
 /// Rows of triangles of half a ball with so many segments around.

@@ -150,7 +150,7 @@ fn read_gltf(bytes: &[u8]) -> Read {
             }
         };
         for primitive in mesh.primitives() {
-            let reader = primitive.reader(|_| Some(&buffer));
+            let reader = primitive.reader(|_| Some(buffer.as_slice()));
             let positions: Vec<Vec3> = reader.read_positions().unwrap().map(Vec3::from).collect();
             let normals: Vec<Vec3> = reader.read_normals().unwrap().map(Vec3::from).collect();
             let bounds = primitive.bounding_box();
@@ -275,7 +275,7 @@ fn an_obj_has_the_materials_and_place_that_its_reader_finds() {
     let count: usize = models.iter().map(|model| model.mesh.indices.len() / 3).sum();
     assert_eq!(count, glb.triangles.len());
     let corner = |model: &tobj::Model| {
-        let points = model.mesh.positions.chunks_exact(3).map(|p| Vec3::new(p[0] as f32, p[1] as f32, p[2] as f32));
+        let points = model.mesh.positions.chunks_exact(3).map(|p| Vec3::new(p[0], p[1], p[2]));
         points.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)])
     };
     let all =
@@ -382,7 +382,7 @@ fn an_exported_scene_drawn_back_looks_like_the_scene() {
     let text = b"12\nProperties=species:S:1:pos:R:3:forces:R:3 Lattice=\"9 0 0 0 9 0 0 0 9\"\n\
         C 0.000 1.396 0 0 0 1\nC 1.209 0.698 0 0 0 1\nC 1.209 -0.698 0 0 0.5 1\nC 0.000 -1.396 0 0 0 1\n\
         C -1.209 -0.698 0 0 0 1\nC -1.209 0.698 0 0 1 0\nH 0.000 2.479 0 0 0 0\nH 2.147 1.240 0 0 0 0\n\
-        H 2.147 -1.240 0 0 0 0\nH 0.000 -2.479 0 0 0 0\nH -2.147 -1.240 0 0 0 0\nCl -2.147 1.240 0 0 0 0\n";
+        H 2.147 -1.240 0 0 0 0\nH 0.000 -2.479 0 0 0 0\nH -2.147 -1.240 0 0 0 0\nCl -2.716 1.568 0 0 0 0\n";
     let document = crate::import::read_bytes(text, "b.extxyz", &Default::default()).unwrap();
     let molecule = crate::bonds::assign(document.records[0].clone(), &Default::default());
     let options = SceneOptions { vectors: VectorChoice::from_name("auto"), ..SceneOptions::default() };

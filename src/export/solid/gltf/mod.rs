@@ -11,7 +11,7 @@ mod pack;
 
 use super::pieces::{Kind, Piece, Surface};
 use super::shape::{Meshes, Shape};
-use super::{Model, gibibytes, names};
+use super::{Model, Totals, gibibytes, names};
 use crate::color::Srgb8;
 use crate::error::{Error, Result};
 use crate::export::atomic;
@@ -47,7 +47,11 @@ struct Group {
     pieces: Vec<Piece>,
 }
 
-pub(super) fn write(model: &Model<'_>, is_binary: bool, path: &Path) -> Result<()> {
+pub(super) fn write(model: &Model<'_>, totals: &Totals, is_binary: bool, path: &Path) -> Result<()> {
+    if model.options.compat {
+        // Positions, normals and corners: what is too large by far is known before it is made.
+        check_size(is_binary, 24 * totals.vertices + 12 * totals.triangles)?;
+    }
     let groups = groups(model);
     let mut surfaces: Vec<(usize, Surface)> = Vec::new();
     for (index, placement) in model.scene.placements.iter().enumerate() {
@@ -69,14 +73,14 @@ pub(super) fn write(model: &Model<'_>, is_binary: bool, path: &Path) -> Result<(
     let mut json = gltf_json::serialize::to_vec(&root)
         .map_err(|error| Error::Unsupported(format!("the glTF JSON cannot be written down: {error}")))?;
     drop(root);
-    let numbers = Numbers { model, groups: &groups, surfaces: &surfaces };
+    let numbers = Numbers { groups: &groups, surfaces: &surfaces };
     if is_binary {
         json.resize(json.len().next_multiple_of(4), b' ');
         let total = 12 + 8 + json.len() as u64 + 8 + length;
-        let total_u32 = u32::try_from(total).map_err(|_| too_large("GLB", total, "4 GiB"))?;
+        check_size(true, total)?;
         atomic::write(path, |out| {
             out.write_all(b"glTF")?;
-            for word in [2, total_u32, json.len() as u32] {
+            for word in [2, total as u32, json.len() as u32] {
                 out.write_all(&word.to_le_bytes())?;
             }
             out.write_all(b"JSON")?;
@@ -86,9 +90,7 @@ pub(super) fn write(model: &Model<'_>, is_binary: bool, path: &Path) -> Result<(
             packer.write(&numbers, out)
         })
     } else {
-        if length > MOST_IN_JSON {
-            return Err(too_large("glTF", length, "1 GiB here; GLB has up to 4"));
-        }
+        check_size(false, length)?;
         let mark = memchr::memmem::find(&json, MARK.as_bytes()).unwrap_or(json.len());
         atomic::write(path, |out| {
             out.write_all(&json[..mark])?;
@@ -103,6 +105,15 @@ pub(super) fn write(model: &Model<'_>, is_binary: bool, path: &Path) -> Result<(
 /// How the only buffer of a JSON file begins, and what stands for its bytes until they are written. Nothing of a user's stands before it.
 const DATA: &str = "data:application/octet-stream;base64,";
 const MARK: &str = "@ballstick@";
+
+/// An error for more bytes than a file of a kind has.
+fn check_size(is_binary: bool, bytes: u64) -> Result<()> {
+    match is_binary {
+        true if bytes > u64::from(u32::MAX) => Err(too_large("GLB", bytes, "4 GiB")),
+        false if bytes > MOST_IN_JSON => Err(too_large("glTF", bytes, "1 GiB here; GLB has up to 4")),
+        _ => Ok(()),
+    }
+}
 
 fn too_large(what: &str, bytes: u64, most: &str) -> Error {
     let message = format!(

@@ -1,6 +1,5 @@
 //! The numbers of a glTF file: which column comes where, and each written as it is made.
 
-use super::super::Model;
 use super::super::pieces::Surface;
 use super::super::shape::{Meshes, Shape};
 use super::Group;
@@ -42,7 +41,6 @@ pub(super) struct Packer {
 
 /// What the numbers are made from.
 pub(super) struct Numbers<'a> {
-    pub(super) model: &'a Model<'a>,
     pub(super) groups: &'a [Group],
     pub(super) surfaces: &'a [(usize, Surface)],
 }
