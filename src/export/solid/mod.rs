@@ -203,7 +203,7 @@ pub struct Written {
 /// Writes a scene; `sources` are the structures of [`Scene::items`] in their order.
 ///
 /// # Errors
-/// [`Error::Input`] if there is nothing in the scene, [`Error::Limit`] for what the format has no room for, [`Error::Io`] for what the system
+/// [`Error::Input`] if there is nothing in the scene, [`Error::Unsupported`] for what the format has no room for, [`Error::Io`] for what the system
 /// refuses.
 pub fn write(
     format: SolidFormat,

@@ -1,7 +1,7 @@
 //! Wavefront OBJ, and an MTL file of the same name beside it with one material for every colour.
 //!
 //! An object (`o`) for every molecule and overlay, a group (`g`) for every residue, as in `A_GLY_12`, else for every kind of primitive. Overlays have the
-//! colours of their vertices as six numbers behind `v`, which many programs read. The MTL file is written first: each of the two is whole or not
+//! colours of their vertices as six numbers behind `v`, which many programs read; then all vertices have, since some read them only so. The MTL file is written first: each of the two is whole or not
 //! there. To standard output goes the OBJ alone.
 
 use super::pieces::Piece;
@@ -44,12 +44,17 @@ pub(super) fn write(model: &Model<'_>, totals: &Totals, path: &Path) -> Result<(
         if let Some(name) = library.as_ref().and_then(|library| library.file_name()) {
             writeln!(out, "mtllib {}", name.to_string_lossy())?;
         }
+        let mut has_surface = false;
+        model.each_surface(|_, _| {
+            has_surface = true;
+            Ok(())
+        })?;
         let mut writer = Writer { out, model, decimals, next: 1, object: None, group: None, material: None };
         model.each_piece(false, |placement, piece, mesh| {
             writer.head(placement, || group(model, placement, piece))?;
             writer.material(&material_name(piece.color))?;
             for &position in &mesh.positions {
-                writer.vertex(piece.point(position), None)?;
+                writer.vertex(piece.point(position), has_surface.then_some(piece.color))?;
             }
             for &normal in &mesh.normals {
                 writer.normal(piece.normal(normal))?;

@@ -16,7 +16,7 @@ pub(super) fn write(model: &Model<'_>, totals: &Totals, path: &Path) -> Result<(
             "PLY has at most {} vertices, and these are {vertices}; a larger --tolerance makes fewer",
             i32::MAX
         );
-        return Err(Error::limit(None, message));
+        return Err(Error::Unsupported(message));
     }
     atomic::write(path, |out| {
         writeln!(out, "ply\nformat binary_little_endian 1.0\ncomment ballstick")?;

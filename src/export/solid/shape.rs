@@ -7,7 +7,8 @@
 //! - A polygon of n sides around a circle of radius r, its corners at 2r / (1 + cos(π/n)), is nowhere farther from it than r·tan²(π/2n).
 //! - A ball is an icosahedron whose faces are divided into n² triangles, pushed out onto a sphere; how far its triangles are from the
 //!   middle is found from the triangles themselves.
-//! - What is bent in two directions (rings, round ends of sticks) has half of the error for each.
+//! - What is bent in two directions has a part of the error for each: rings, whose vertices stand outside for both, somewhat less than a half; round ends of sticks,
+//!   whose rim is that of the stick and stands outside for one, a third, as chords in two directions are as far inside as two of them.
 //! - Rings and truncated cones are no stretched copies of one another. The ratio of their radii is rounded to steps of a quarter of the
 //!   error, so that few meshes serve many of them.
 
@@ -20,6 +21,9 @@ const LEAST_AROUND: u16 = 6;
 /// Most segments around, and edges of a ball's faces: errors of 1e-4 Å at 10 Å (chosen; `--tolerance` goes no lower).
 const MOST_AROUND: u16 = 720;
 const MOST_FREQUENCY: u16 = 180;
+
+/// The part of the error that each direction of a round end has: a third, less what the squares of small numbers add.
+const DOME_SHARE: f32 = 0.32;
 
 /// A mesh of unit size by what it is made from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -88,12 +92,12 @@ impl Tessellation {
     }
 
     pub(super) fn tube(&self, radius: f32, caps: [bool; 2], is_round: bool) -> Shape {
-        Shape::Tube(self.around(radius, if is_round { 0.5 } else { 1.0 }), caps)
+        Shape::Tube(self.around(radius, if is_round { DOME_SHARE } else { 1.0 }), caps)
     }
 
     /// The round end of a tube with as many segments.
     pub(super) fn dome(&self, radius: f32) -> Shape {
-        Shape::Dome(self.around(radius, 0.5))
+        Shape::Dome(self.around(radius, DOME_SHARE))
     }
 
     /// `narrow` is at most `wide`.

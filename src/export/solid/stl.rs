@@ -17,7 +17,7 @@ pub(super) fn write(model: &Model<'_>, totals: &Totals, path: &Path) -> Result<W
             u32::MAX,
             totals.triangles
         );
-        Error::limit(None, message)
+        Error::Unsupported(message)
     })?;
     let (low, high) = bounds(model).map_err(|error| Error::Unsupported(error.to_string()))?;
     let longest = (high - low).max_element();

@@ -285,6 +285,8 @@ fn an_obj_has_the_materials_and_place_that_its_reader_finds() {
     assert!((glass.dissolve.unwrap() - 64.0 / 255.0).abs() < 1e-3 && glass.diffuse.unwrap()[2] == 1.0);
     let surface = models.iter().find(|model| model.name == "surface").unwrap();
     assert_eq!(surface.mesh.vertex_color[..6], [1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    let ball = models.iter().find(|model| model.name == "balls").unwrap();
+    assert_eq!(ball.mesh.vertex_color[..3], [1.0, 0.0, 0.0]);
 }
 
 fn read_stl(bytes: &[u8]) -> Read {

@@ -120,7 +120,7 @@ fn too_large(what: &str, bytes: u64, most: &str) -> Error {
         "the {what} file would have {}, and has at most {most}; a larger --tolerance makes it smaller, as do instances (no --compat)",
         gibibytes(bytes)
     );
-    Error::limit(None, message)
+    Error::Unsupported(message)
 }
 
 fn groups(model: &Model<'_>) -> Vec<Group> {
