@@ -90,10 +90,9 @@ impl Texture {
         ] {
             let pixel = (y as usize * self.width as usize + x as usize) * 4;
             let bytes = self.rgba.get(pixel..pixel + 4).unwrap_or(&[255; 4]);
-            for channel in 0..4 {
-                let byte = bytes[channel];
+            for (channel, (sum, &byte)) in sum.iter_mut().zip(bytes).enumerate() {
                 let value = if channel < 3 { LINEAR[usize::from(byte)] } else { f32::from(byte) / 255.0 };
-                sum[channel] += weight * value;
+                *sum += weight * value;
             }
         }
         sum
