@@ -147,7 +147,7 @@ impl<'a> Buffers<'a> {
     }
 
     /// The places and bytes of the elements that a sparse accessor states.
-    fn replaced<'b>(&'b self, root: &Root, index: usize, accessor: &Accessor) -> Result<Vec<(u32, &'b [u8])>> {
+    fn replaced(&self, root: &Root, index: usize, accessor: &Accessor) -> Result<Vec<(u32, &[u8])>> {
         let Some(sparse) = &accessor.sparse else { return Ok(Vec::new()) };
         let wrong =
             || Error::input(None, format!("accessor {index}: the places of its sparse elements are no numbers"));
