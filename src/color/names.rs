@@ -28,141 +28,141 @@ pub(super) fn likely(text: &str) -> Option<&'static str> {
 
 /// In the order of their names; those that only PyMOL has are marked.
 const NAMED: &[(&str, u32)] = &[
-    ("aqua", 0x00_FF_FF),
-    ("aquamarine", 0x7F_FF_D4),
-    ("beige", 0xF5_F5_DC),
-    ("black", 0x00_00_00),
-    ("blue", 0x00_00_FF),
-    ("bluewhite", 0xD9_D9_FF),    // PyMOL
-    ("brightorange", 0xFF_B3_33), // PyMOL
-    ("brown", 0xA5_2A_2A),
-    ("cadetblue", 0x5F_9E_A0),
-    ("carbon", 0x33_FF_33), // PyMOL
-    ("chartreuse", 0x7F_FF_00),
-    ("chocolate", 0xD2_69_1E),
-    ("coral", 0xFF_7F_50),
-    ("cornflowerblue", 0x64_95_ED),
-    ("crimson", 0xDC_14_3C),
-    ("cyan", 0x00_FF_FF),
-    ("darkblue", 0x00_00_8B),
-    ("darkcyan", 0x00_8B_8B),
-    ("darkgray", 0xA9_A9_A9),
-    ("darkgreen", 0x00_64_00),
-    ("darkgrey", 0xA9_A9_A9),
-    ("darkmagenta", 0x8B_00_8B),
-    ("darkorange", 0xFF_8C_00),
-    ("darkorchid", 0x99_32_CC),
-    ("darkred", 0x8B_00_00),
-    ("darksalmon", 0xE9_96_7A),
-    ("darkviolet", 0x94_00_D3),
-    ("dash", 0xFF_FF_00),       // PyMOL
-    ("deepblue", 0x40_40_A6),   // PyMOL
-    ("deepolive", 0x99_99_1A),  // PyMOL
-    ("deeppurple", 0x99_1A_99), // PyMOL
-    ("deepsalmon", 0xFF_80_80), // PyMOL
-    ("deepskyblue", 0x00_BF_FF),
-    ("deepteal", 0x1A_99_99), // PyMOL
-    ("density", 0x1A_1A_99),  // PyMOL
-    ("dimgray", 0x69_69_69),
-    ("dimgrey", 0x69_69_69),
-    ("dirtyviolet", 0xB3_80_80), // PyMOL
-    ("dodgerblue", 0x1E_90_FF),
-    ("firebrick", 0xB2_22_22),
-    ("forest", 0x33_99_33), // PyMOL
-    ("forestgreen", 0x22_8B_22),
-    ("fuchsia", 0xFF_00_FF),
-    ("gainsboro", 0xDC_DC_DC),
-    ("gold", 0xFF_D7_00),
-    ("goldenrod", 0xDA_A5_20),
-    ("gray", 0x80_80_80),
-    ("green", 0x00_80_00),
-    ("greencyan", 0x40_FF_BF), // PyMOL
-    ("grey", 0x80_80_80),
-    ("hotpink", 0xFF_69_B4),
-    ("hydrogen", 0xE6_E6_E6), // PyMOL
-    ("indianred", 0xCD_5C_5C),
-    ("indigo", 0x4B_00_82),
-    ("ivory", 0xFF_FF_F0),
-    ("khaki", 0xF0_E6_8C),
-    ("lavender", 0xE6_E6_FA),
-    ("lightblue", 0xAD_D8_E6),
-    ("lightgray", 0xD3_D3_D3),
-    ("lightgreen", 0x90_EE_90),
-    ("lightgrey", 0xD3_D3_D3),
-    ("lightmagenta", 0xFF_33_CC), // PyMOL
-    ("lightorange", 0xFF_CC_80),  // PyMOL
-    ("lightpink", 0xFF_B6_C1),
-    ("lightsalmon", 0xFF_A0_7A),
-    ("lightsteelblue", 0xB0_C4_DE),
-    ("lightteal", 0x66_B3_B3), // PyMOL
-    ("lightyellow", 0xFF_FF_E0),
-    ("lime", 0x00_FF_00),
-    ("limegreen", 0x32_CD_32),
-    ("limon", 0xBF_FF_40), // PyMOL
-    ("magenta", 0xFF_00_FF),
-    ("marine", 0x00_80_FF), // PyMOL
-    ("maroon", 0x80_00_00),
-    ("mediumblue", 0x00_00_CD),
-    ("mediumpurple", 0x93_70_DB),
-    ("mediumseagreen", 0x3C_B3_71),
-    ("midnightblue", 0x19_19_70),
-    ("navy", 0x00_00_80),
-    ("nitrogen", 0x33_33_FF), // PyMOL
-    ("olive", 0x80_80_00),
-    ("olivedrab", 0x6B_8E_23),
-    ("orange", 0xFF_A5_00),
-    ("orangered", 0xFF_45_00),
-    ("orchid", 0xDA_70_D6),
-    ("oxygen", 0xFF_4D_4D),   // PyMOL
-    ("palecyan", 0xCC_FF_FF), // PyMOL
-    ("palegreen", 0x98_FB_98),
-    ("paleyellow", 0xFF_FF_80), // PyMOL
-    ("peru", 0xCD_85_3F),
-    ("pink", 0xFF_C0_CB),
-    ("plum", 0xDD_A0_DD),
-    ("powderblue", 0xB0_E0_E6),
-    ("purple", 0x80_00_80),
-    ("purpleblue", 0x80_00_FF), // PyMOL
-    ("raspberry", 0xB3_4D_66),  // PyMOL
-    ("red", 0xFF_00_00),
-    ("rosybrown", 0xBC_8F_8F),
-    ("royalblue", 0x41_69_E1),
-    ("ruby", 0x99_33_33), // PyMOL
-    ("salmon", 0xFA_80_72),
-    ("sand", 0xB8_8C_4D), // PyMOL
-    ("sandybrown", 0xF4_A4_60),
-    ("seagreen", 0x2E_8B_57),
-    ("sienna", 0xA0_52_2D),
-    ("silver", 0xC0_C0_C0),
-    ("skyblue", 0x87_CE_EB),
-    ("slate", 0x80_80_FF), // PyMOL
-    ("slateblue", 0x6A_5A_CD),
-    ("slategray", 0x70_80_90),
-    ("slategrey", 0x70_80_90),
-    ("smudge", 0x8C_B3_66),   // PyMOL
-    ("splitpea", 0x85_BF_00), // PyMOL
-    ("springgreen", 0x00_FF_7F),
-    ("steelblue", 0x46_82_B4),
-    ("sulfur", 0xE6_C6_40), // PyMOL
-    ("tan", 0xD2_B4_8C),
-    ("teal", 0x00_80_80),
-    ("thistle", 0xD8_BF_D8),
-    ("tomato", 0xFF_63_47),
-    ("turquoise", 0x40_E0_D0),
-    ("tv_blue", 0x4D_4D_FF),   // PyMOL
-    ("tv_green", 0x33_FF_33),  // PyMOL
-    ("tv_orange", 0xFF_8C_26), // PyMOL
-    ("tv_red", 0xFF_33_33),    // PyMOL
-    ("tv_yellow", 0xFF_FF_33), // PyMOL
-    ("violet", 0xEE_82_EE),
-    ("violetpurple", 0x8C_40_99), // PyMOL
-    ("warmpink", 0xD9_33_80),     // PyMOL
-    ("wheat", 0xF5_DE_B3),
-    ("white", 0xFF_FF_FF),
-    ("whitesmoke", 0xF5_F5_F5),
-    ("yellow", 0xFF_FF_00),
-    ("yellowgreen", 0x9A_CD_32),
-    ("yelloworange", 0xFF_DE_5E), // PyMOL
+    ("aqua", 0x00FFFF),
+    ("aquamarine", 0x7FFFD4),
+    ("beige", 0xF5F5DC),
+    ("black", 0x000000),
+    ("blue", 0x0000FF),
+    ("bluewhite", 0xD9D9FF),    // PyMOL
+    ("brightorange", 0xFFB333), // PyMOL
+    ("brown", 0xA52A2A),
+    ("cadetblue", 0x5F9EA0),
+    ("carbon", 0x33FF33), // PyMOL
+    ("chartreuse", 0x7FFF00),
+    ("chocolate", 0xD2691E),
+    ("coral", 0xFF7F50),
+    ("cornflowerblue", 0x6495ED),
+    ("crimson", 0xDC143C),
+    ("cyan", 0x00FFFF),
+    ("darkblue", 0x00008B),
+    ("darkcyan", 0x008B8B),
+    ("darkgray", 0xA9A9A9),
+    ("darkgreen", 0x006400),
+    ("darkgrey", 0xA9A9A9),
+    ("darkmagenta", 0x8B008B),
+    ("darkorange", 0xFF8C00),
+    ("darkorchid", 0x9932CC),
+    ("darkred", 0x8B0000),
+    ("darksalmon", 0xE9967A),
+    ("darkviolet", 0x9400D3),
+    ("dash", 0xFFFF00),       // PyMOL
+    ("deepblue", 0x4040A6),   // PyMOL
+    ("deepolive", 0x99991A),  // PyMOL
+    ("deeppurple", 0x991A99), // PyMOL
+    ("deepsalmon", 0xFF8080), // PyMOL
+    ("deepskyblue", 0x00BFFF),
+    ("deepteal", 0x1A9999), // PyMOL
+    ("density", 0x1A1A99),  // PyMOL
+    ("dimgray", 0x696969),
+    ("dimgrey", 0x696969),
+    ("dirtyviolet", 0xB38080), // PyMOL
+    ("dodgerblue", 0x1E90FF),
+    ("firebrick", 0xB22222),
+    ("forest", 0x339933), // PyMOL
+    ("forestgreen", 0x228B22),
+    ("fuchsia", 0xFF00FF),
+    ("gainsboro", 0xDCDCDC),
+    ("gold", 0xFFD700),
+    ("goldenrod", 0xDAA520),
+    ("gray", 0x808080),
+    ("green", 0x008000),
+    ("greencyan", 0x40FFBF), // PyMOL
+    ("grey", 0x808080),
+    ("hotpink", 0xFF69B4),
+    ("hydrogen", 0xE6E6E6), // PyMOL
+    ("indianred", 0xCD5C5C),
+    ("indigo", 0x4B0082),
+    ("ivory", 0xFFFFF0),
+    ("khaki", 0xF0E68C),
+    ("lavender", 0xE6E6FA),
+    ("lightblue", 0xADD8E6),
+    ("lightgray", 0xD3D3D3),
+    ("lightgreen", 0x90EE90),
+    ("lightgrey", 0xD3D3D3),
+    ("lightmagenta", 0xFF33CC), // PyMOL
+    ("lightorange", 0xFFCC80),  // PyMOL
+    ("lightpink", 0xFFB6C1),
+    ("lightsalmon", 0xFFA07A),
+    ("lightsteelblue", 0xB0C4DE),
+    ("lightteal", 0x66B3B3), // PyMOL
+    ("lightyellow", 0xFFFFE0),
+    ("lime", 0x00FF00),
+    ("limegreen", 0x32CD32),
+    ("limon", 0xBFFF40), // PyMOL
+    ("magenta", 0xFF00FF),
+    ("marine", 0x0080FF), // PyMOL
+    ("maroon", 0x800000),
+    ("mediumblue", 0x0000CD),
+    ("mediumpurple", 0x9370DB),
+    ("mediumseagreen", 0x3CB371),
+    ("midnightblue", 0x191970),
+    ("navy", 0x000080),
+    ("nitrogen", 0x3333FF), // PyMOL
+    ("olive", 0x808000),
+    ("olivedrab", 0x6B8E23),
+    ("orange", 0xFFA500),
+    ("orangered", 0xFF4500),
+    ("orchid", 0xDA70D6),
+    ("oxygen", 0xFF4D4D),   // PyMOL
+    ("palecyan", 0xCCFFFF), // PyMOL
+    ("palegreen", 0x98FB98),
+    ("paleyellow", 0xFFFF80), // PyMOL
+    ("peru", 0xCD853F),
+    ("pink", 0xFFC0CB),
+    ("plum", 0xDDA0DD),
+    ("powderblue", 0xB0E0E6),
+    ("purple", 0x800080),
+    ("purpleblue", 0x8000FF), // PyMOL
+    ("raspberry", 0xB34D66),  // PyMOL
+    ("red", 0xFF0000),
+    ("rosybrown", 0xBC8F8F),
+    ("royalblue", 0x4169E1),
+    ("ruby", 0x993333), // PyMOL
+    ("salmon", 0xFA8072),
+    ("sand", 0xB88C4D), // PyMOL
+    ("sandybrown", 0xF4A460),
+    ("seagreen", 0x2E8B57),
+    ("sienna", 0xA0522D),
+    ("silver", 0xC0C0C0),
+    ("skyblue", 0x87CEEB),
+    ("slate", 0x8080FF), // PyMOL
+    ("slateblue", 0x6A5ACD),
+    ("slategray", 0x708090),
+    ("slategrey", 0x708090),
+    ("smudge", 0x8CB366),   // PyMOL
+    ("splitpea", 0x85BF00), // PyMOL
+    ("springgreen", 0x00FF7F),
+    ("steelblue", 0x4682B4),
+    ("sulfur", 0xE6C640), // PyMOL
+    ("tan", 0xD2B48C),
+    ("teal", 0x008080),
+    ("thistle", 0xD8BFD8),
+    ("tomato", 0xFF6347),
+    ("turquoise", 0x40E0D0),
+    ("tv_blue", 0x4D4DFF),   // PyMOL
+    ("tv_green", 0x33FF33),  // PyMOL
+    ("tv_orange", 0xFF8C26), // PyMOL
+    ("tv_red", 0xFF3333),    // PyMOL
+    ("tv_yellow", 0xFFFF33), // PyMOL
+    ("violet", 0xEE82EE),
+    ("violetpurple", 0x8C4099), // PyMOL
+    ("warmpink", 0xD93380),     // PyMOL
+    ("wheat", 0xF5DEB3),
+    ("white", 0xFFFFFF),
+    ("whitesmoke", 0xF5F5F5),
+    ("yellow", 0xFFFF00),
+    ("yellowgreen", 0x9ACD32),
+    ("yelloworange", 0xFFDE5E), // PyMOL
 ];
 
 #[cfg(test)]
