@@ -1,4 +1,6 @@
-//! Colours: sRGB in files and flags, linear in shading. This module is the only one that converts.
+//! Colours: sRGB in files and flags, linear in shading. This module is the only one that converts. `names` has those with names.
+
+mod names;
 
 /// An sRGB colour of 8 bits a channel with straight (un-premultiplied) alpha, as it stands in files and flags.
 #[repr(C)]
@@ -56,13 +58,13 @@ impl Srgb8 {
         }
     }
 
-    /// A colour by `#rgb`, `#rrggbb`, `#rrggbbaa` (the `#` may be left out) or CSS name (`white`, `steelblue`).
-    /// `None` for anything else.
+    /// A colour by `#rgb`, `#rrggbb`, `#rrggbbaa` (the `#` may be left out), or a name of CSS (`steelblue`) or PyMOL (`marine`, `grey50`).
+    /// `None` for anything else; [`Srgb8::instead_of`] says what was likely meant.
     #[must_use]
     pub fn parse(text: &str) -> Option<Srgb8> {
         let text = text.trim().to_ascii_lowercase();
-        if let Some(&(_, rgb)) = NAMED.iter().find(|(name, _)| *name == text) {
-            return Some(Srgb8::from_rgb_u32(rgb));
+        if let Some(color) = names::of(&text) {
+            return Some(color);
         }
         let hex = text.strip_prefix('#').unwrap_or(&text);
         if !hex.bytes().all(|byte| byte.is_ascii_hexdigit()) {
@@ -76,6 +78,19 @@ impl Srgb8 {
             8 => Some(Srgb8 { r: pair(0)?, g: pair(2)?, b: pair(4)?, a: pair(6)? }),
             _ => None,
         }
+    }
+}
+
+impl Srgb8 {
+    /// What to say behind a message about a text that is no colour: `; did you mean marine?`, or nothing.
+    ///
+    /// ```
+    /// use ballstick::color::Srgb8;
+    /// assert_eq!(Srgb8::instead_of("marin"), "; did you mean marine?");
+    /// ```
+    #[must_use]
+    pub fn instead_of(text: &str) -> String {
+        names::likely(text).map_or_else(String::new, |name| format!("; did you mean {name}?"))
     }
 }
 
@@ -138,66 +153,6 @@ fn power_5_12(x: f32) -> f32 {
 
 static SRGB_TO_LINEAR: std::sync::LazyLock<[f32; 256]> =
     std::sync::LazyLock::new(|| std::array::from_fn(|i| linear_from_srgb(i as f32 / 255.0)));
-
-/// The 16 colours of HTML 4 and the CSS names that pictures of molecules use, CSS Color Module Level 4 values.
-const NAMED: &[(&str, u32)] = &[
-    ("aqua", 0x00_FF_FF),
-    ("beige", 0xF5_F5_DC),
-    ("black", 0x00_00_00),
-    ("blue", 0x00_00_FF),
-    ("brown", 0xA5_2A_2A),
-    ("coral", 0xFF_7F_50),
-    ("cyan", 0x00_FF_FF),
-    ("darkblue", 0x00_00_8B),
-    ("darkgray", 0xA9_A9_A9),
-    ("darkgreen", 0x00_64_00),
-    ("darkgrey", 0xA9_A9_A9),
-    ("darkred", 0x8B_00_00),
-    ("dimgray", 0x69_69_69),
-    ("dimgrey", 0x69_69_69),
-    ("forestgreen", 0x22_8B_22),
-    ("fuchsia", 0xFF_00_FF),
-    ("gainsboro", 0xDC_DC_DC),
-    ("gold", 0xFF_D7_00),
-    ("gray", 0x80_80_80),
-    ("green", 0x00_80_00),
-    ("grey", 0x80_80_80),
-    ("indigo", 0x4B_00_82),
-    ("ivory", 0xFF_FF_F0),
-    ("khaki", 0xF0_E6_8C),
-    ("lavender", 0xE6_E6_FA),
-    ("lightblue", 0xAD_D8_E6),
-    ("lightgray", 0xD3_D3_D3),
-    ("lightgreen", 0x90_EE_90),
-    ("lightgrey", 0xD3_D3_D3),
-    ("lime", 0x00_FF_00),
-    ("magenta", 0xFF_00_FF),
-    ("maroon", 0x80_00_00),
-    ("midnightblue", 0x19_19_70),
-    ("navy", 0x00_00_80),
-    ("olive", 0x80_80_00),
-    ("orange", 0xFF_A5_00),
-    ("orchid", 0xDA_70_D6),
-    ("pink", 0xFF_C0_CB),
-    ("plum", 0xDD_A0_DD),
-    ("purple", 0x80_00_80),
-    ("red", 0xFF_00_00),
-    ("salmon", 0xFA_80_72),
-    ("silver", 0xC0_C0_C0),
-    ("skyblue", 0x87_CE_EB),
-    ("slategray", 0x70_80_90),
-    ("slategrey", 0x70_80_90),
-    ("steelblue", 0x46_82_B4),
-    ("tan", 0xD2_B4_8C),
-    ("teal", 0x00_80_80),
-    ("tomato", 0xFF_63_47),
-    ("turquoise", 0x40_E0_D0),
-    ("violet", 0xEE_82_EE),
-    ("wheat", 0xF5_DE_B3),
-    ("white", 0xFF_FF_FF),
-    ("whitesmoke", 0xF5_F5_F5),
-    ("yellow", 0xFF_FF_00),
-];
 
 #[cfg(test)]
 mod tests {

@@ -42,7 +42,7 @@
 //! | [`select`] | atoms by words, as in `chain A and not water`: the language, its errors and completions |
 //! | [`scene`] | blocks of primitives × placements, styles, colours, arrows, overlays, camera, light, ground; knows no renderer |
 //! | [`render`] | the definition of the picture ([`render::frame`]), the CPU renderer, the wgpu renderer, and the choice between them |
-//! | [`export`] | picture files, structure files, atomic writes |
+//! | [`export`] | picture files, structure files, scenes as solid shapes ([`export::solid`]), atomic writes |
 //! | [`session`] | all that makes a picture, as JSON and as a command line |
 //! | [`cli`], `app` | the commands, the window; no chemistry |
 //!
@@ -122,8 +122,10 @@
 //!   even load the program.
 //! - Elsewhere than on Linux `kill -9` may leave a temporary file, as it may of a film that `ffmpeg` writes.
 //! - Of a file whose name is not UTF-8 a picture cannot say that it was made of it.
-//! - Of meshes neither textures nor, in glTF, sparse accessors, compression, skins and morph targets are read; polygons of OBJ files are
-//!   fans, so that concave ones come out wrong. Vectors do not turn with symmetry operations: no format that states them has any.
+//! - Exported meshes have no ground, light and texts. Shells of an STL file overlap and are not united, and an overlay in it is closed only if it was.
+//!   Programs that do not know `EXT_mesh_gpu_instancing` need `--compat`, whose triangles do not say which atom they are of. `convert` takes no session.
+//! - Textures of meshes are read at their vertices and nowhere between. Of glTF compression, skins and morph targets are not read; polygons of OBJ files
+//!   are fans, so that concave ones come out wrong. Vectors do not turn with symmetry operations: no format that states them has any.
 
 #![doc = include_str!("threats.md")]
 

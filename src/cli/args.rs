@@ -1,9 +1,10 @@
 //! The command line, as it is typed. Nothing here acts; names and defaults are what others script against.
 
 use super::assembly::AssemblyArgs;
-use super::atoms::{AtomArgs, ShowArgs};
+use super::atoms::AtomArgs;
 use super::batch::BatchArgs;
 use super::size::{Crop, PictureSize};
+use super::solid::ConvertArgs;
 use super::values::{
     Altloc, Axis, Backdrop, Direction, MeasureArg, RecordChoice, Region, Supercell, blur, color, counted_from_1, fog,
     opacity, outline_width, part, positive, text_size,
@@ -43,8 +44,8 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Say what is in files
     Info(InfoArgs),
-    /// Write a structure in another format
-    Convert(ConvertArgs),
+    /// Write a structure in another format, or the scene as a mesh for other programs
+    Convert(Box<ConvertArgs>),
     /// Write the manual, as pages for man
     Manual(super::manual::ManualArgs),
     /// Write what a shell needs to complete commands and flags
@@ -421,35 +422,6 @@ pub struct InfoArgs {
     /// Bonds.
     #[command(flatten)]
     pub bonds: BondArgs,
-}
-
-/// `ballstick convert`.
-#[derive(Debug, Clone, Args)]
-pub struct ConvertArgs {
-    /// Molecule file; - is standard input
-    #[arg(value_name = "IN")]
-    pub input: PathBuf,
-    /// File to write; - is standard output
-    #[arg(value_name = "OUT")]
-    pub output: PathBuf,
-    /// Format, where the name of OUT does not say: json, cjson, mmcif, mol2, pdb, sdf, sdf-v3000, xyz, extxyz
-    #[arg(long, value_name = "FORMAT")]
-    pub to: Option<String>,
-    /// Format of IN, where neither its content nor its name tells
-    #[arg(long, value_name = "FORMAT")]
-    pub from: Option<String>,
-    /// Atoms.
-    #[command(flatten)]
-    pub shown: ShowArgs,
-    /// Assembly.
-    #[command(flatten)]
-    pub assembly: AssemblyArgs,
-    /// Bonds.
-    #[command(flatten)]
-    pub bonds: BondArgs,
-    /// Record and frame.
-    #[command(flatten)]
-    pub select: SelectArgs,
 }
 
 /// A set of names a flag takes; [`Named::name`] is the one that is typed.

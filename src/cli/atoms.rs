@@ -104,7 +104,10 @@ impl FromStr for ColorOf {
         let (atoms, value) = of_selection(text, "\"chain A=steelblue\"")?;
         match Srgb8::parse(value) {
             Some(color) if color.a == 255 => Ok(ColorOf(atoms, color)),
-            _ => Err(format!("expected #rrggbb, #rgb, or a name such as steelblue behind the =, found {value}")),
+            _ => {
+                let instead = Srgb8::instead_of(value);
+                Err(format!("expected #rrggbb, #rgb, or a name such as steelblue behind the =, found {value}{instead}"))
+            }
         }
     }
 }

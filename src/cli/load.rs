@@ -41,11 +41,16 @@ pub(super) fn read_as(path: &Path, format: Option<Format>, report: &Report) -> R
 
 /// Reads a structure and opens its trajectories, and says what their readers noticed.
 pub(super) fn read_input(input: &Input, report: &Report) -> Result<Document> {
+    read_input_as(input, None, report)
+}
+
+/// As [`read_input`], of which the format may be said.
+fn read_input_as(input: &Input, format: Option<Format>, report: &Report) -> Result<Document> {
     if input.trajectories.is_empty() {
-        return read_as(&input.structure, None, report);
+        return read_as(&input.structure, format, report);
     }
     super::memory::check_file(&input.structure)?;
-    let document = trajectory::read_input(input, &ImportOptions::default())?;
+    let document = trajectory::read_input(input, &ImportOptions { format, ..ImportOptions::default() })?;
     for diagnostic in &document.diagnostics {
         report.diagnostic(&input.structure, diagnostic);
     }
@@ -56,13 +61,24 @@ pub(super) fn read_input(input: &Input, report: &Report) -> Result<Document> {
 pub(super) fn load_for_picture(
     input: &Input,
     select: &SelectArgs,
+    flags: (BondArgs, CrystalArgs),
+    report: &Report,
+    seconds: &mut LoadSeconds,
+) -> Result<Vec<Drawn>> {
+    load_as((input, None), select, flags, report, seconds)
+}
+
+/// As [`load_for_picture`] of a file of which the format may be said.
+pub(super) fn load_as(
+    (input, format): (&Input, Option<Format>),
+    select: &SelectArgs,
     (bond_args, crystal_args): (BondArgs, CrystalArgs),
     report: &Report,
     seconds: &mut LoadSeconds,
 ) -> Result<Vec<Drawn>> {
     let options = crystal_options(bond_args, crystal_args);
     let started = Instant::now();
-    let document = read_input(input, report)?;
+    let document = read_input_as(input, format, report)?;
     let parts = parts(&document, select, &options)?;
     let mut molecules = Molecules::new();
     add_molecules(&mut molecules, &document, &parts, &options)?;

@@ -26,6 +26,7 @@ mod record;
 mod render;
 mod report;
 pub mod size;
+pub mod solid;
 mod strips;
 pub mod values;
 mod view;

@@ -1,6 +1,6 @@
 //! From arguments to scene and renderer: the only module of the command line that knows them.
 
-use super::args::{LabelArg, LookArgs, Named, RenderArgs, RendererArgs, TextArgs};
+use super::args::{CrystalArgs, LabelArg, LookArgs, Named, RenderArgs, RendererArgs, TextArgs};
 use super::atoms::style;
 use super::devices::{Adapter, Devices};
 use super::limits::LimitsArgs;
@@ -14,7 +14,7 @@ use crate::import;
 use crate::render::{Choice, DeviceLimits, Quality, Renderer, Selection, Settings, View, crop, select, select_under};
 use crate::scene::{
     AltlocChoice, Aromatic, AtomPlace, Background, Camera, ColorBy, DepthOfField, Item, LabelContent, LightFrame, Look,
-    Measurement, Orientation, OverlayOptions, Scene, SceneOptions, VectorChoice, Viewpoint, vector_scales,
+    Measurement, Orientation, OverlayOptions, Pose, Scene, SceneOptions, VectorChoice, Viewpoint, vector_scales,
 };
 #[cfg(feature = "window")]
 use crate::session::Session;
@@ -84,27 +84,16 @@ impl Drawer {
 
 impl Draw for Drawer {
     fn load(&mut self, drawn: &[Drawn], side_by_side: bool, args: &RenderArgs, size: Size) -> Result<()> {
-        let mut options = scene_options(&args.look, drawn)?;
-        if side_by_side && !args.look.overlay.is_empty() {
-            let message = "--overlay stands in the coordinates of the file, and --record all moves the records: give one --record";
-            return Err(Error::input(None, message));
-        }
-        options.pose = options.pose.or(args.origin.pose);
-        options.overlay = match self.meshes.take() {
+        let meshes = match self.meshes.take() {
             Some(read) => read,
             None => overlay(&args.look, &mut self.notices)?,
         };
-        self.meshes = Some(options.overlay.clone());
-        if side_by_side && options.orientation == Orientation::Auto {
-            // The automatic turn would turn the sheet and with it the order of the records.
-            options.orientation = Orientation::Along { direction: Vec3::NEG_Z, up: Vec3::Y };
-        }
-        let offsets = if side_by_side { grid(drawn) } else { vec![Vec3::ZERO; drawn.len()] };
-        let items: Vec<Item<'_>> = (drawn.iter().zip(offsets))
-            .map(|(drawn, offset)| Item { offset, ..Item::drawn(drawn, args.crystal.has_box()) })
-            .collect();
+        self.meshes = Some(meshes.clone());
         self.loaded = None; // the old one goes first
-        let scene = Arc::new(Scene::new(&items, &options));
+        let asked = Asked { look: &args.look, crystal: args.crystal, pose: args.origin.pose, meshes, side_by_side };
+        let (scene, notes) = scene_of(drawn, asked)?;
+        self.notes = notes;
+        let scene = Arc::new(scene);
         let camera = match &args.look.camera {
             Some(viewpoint) => viewpoint.camera(&scene),
             None => scene.fitted_camera(size.width as f32 / size.height as f32),
@@ -114,10 +103,8 @@ impl Draw for Drawer {
             Some(asked) => Viewpoint { exact: Viewpoint::of(&scene, &camera).exact, ..asked },
             None => Viewpoint::of(&scene, &camera),
         };
-        check_measurements(&args.look, &scene)?;
         self.notices.extend(scene.unmatched.iter().map(|flag| format!("{flag}: there is no such atom")));
         let view = View::new(camera, size.width, size.height);
-        self.notes = vector_notes(&items, &options);
         self.missing = missing_labels(&args.look.text, drawn);
         self.loaded = Some(Loaded { scene, view, viewpoint, settings: settings(args), start: camera });
         Ok(())
@@ -206,8 +193,45 @@ pub(super) fn settings(args: &RenderArgs) -> Settings {
     settings
 }
 
+/// What a scene is made from beside the molecules.
+pub(super) struct Asked<'a> {
+    pub(super) look: &'a LookArgs,
+    pub(super) crystal: CrystalArgs,
+    /// How it stands if the look does not say.
+    pub(super) pose: Option<Pose>,
+    /// The meshes of `--overlay`.
+    pub(super) meshes: Vec<Arc<Mesh>>,
+    /// Whether structures stand next to one another, not where their files put them.
+    pub(super) side_by_side: bool,
+}
+
+/// The scene of what is drawn, and what was chosen for the user.
+pub(super) fn scene_of(drawn: &[Drawn], asked: Asked<'_>) -> Result<(Scene, Vec<String>)> {
+    let Asked { look, crystal, pose, meshes, side_by_side } = asked;
+    let mut options = scene_options(look, drawn)?;
+    if side_by_side && !look.overlay.is_empty() {
+        let message =
+            "--overlay stands in the coordinates of the file, and --record all moves the records: give one --record";
+        return Err(Error::input(None, message));
+    }
+    options.pose = options.pose.or(pose);
+    options.overlay = meshes;
+    if side_by_side && options.orientation == Orientation::Auto {
+        // The automatic turn would turn the sheet and with it the order of the records.
+        options.orientation = Orientation::Along { direction: Vec3::NEG_Z, up: Vec3::Y };
+    }
+    let offsets = if side_by_side { grid(drawn) } else { vec![Vec3::ZERO; drawn.len()] };
+    let items: Vec<Item<'_>> = (drawn.iter().zip(offsets))
+        .map(|(drawn, offset)| Item { offset, ..Item::drawn(drawn, crystal.has_box()) })
+        .collect();
+    let scene = Scene::new(&items, &options);
+    check_measurements(look, &scene)?;
+    let notes = vector_notes(&items, &options);
+    Ok((scene, notes))
+}
+
 /// The meshes of `--overlay`; what their readers noticed goes to `notices`.
-fn overlay(look: &LookArgs, notices: &mut Vec<String>) -> Result<Vec<Arc<Mesh>>> {
+pub(super) fn overlay(look: &LookArgs, notices: &mut Vec<String>) -> Result<Vec<Arc<Mesh>>> {
     let read = |path: &std::path::PathBuf| -> Result<Arc<Mesh>> {
         let named = |error: Error| match error {
             Error::Io { .. } => error,

@@ -211,7 +211,11 @@ pub(super) fn opacity(text: &str) -> Result<f32, String> {
 
 /// A colour.
 pub(super) fn color(text: &str) -> Result<crate::color::Srgb8, String> {
-    crate::color::Srgb8::parse(text).ok_or_else(|| "expected #rrggbb, #rgb, or a name such as steelblue".to_owned())
+    let wrong = || {
+        let instead = crate::color::Srgb8::instead_of(text);
+        format!("expected #rrggbb, #rgb, or a name such as steelblue or marine{instead}")
+    };
+    crate::color::Srgb8::parse(text).ok_or_else(wrong)
 }
 
 /// Which record of a file.
@@ -291,7 +295,10 @@ impl FromStr for Backdrop {
         match crate::color::Srgb8::parse(text) {
             Some(color) if color.a == 255 => Ok(Backdrop(Some(color))),
             Some(_) => Err("a background is opaque or transparent, nothing between".to_owned()),
-            None => Err("expected transparent, #rrggbb, #rgb, or a name such as white or steelblue".to_owned()),
+            None => {
+                let instead = crate::color::Srgb8::instead_of(text);
+                Err(format!("expected transparent, #rrggbb, #rgb, or a name such as white or steelblue{instead}"))
+            }
         }
     }
 }

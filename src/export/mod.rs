@@ -2,7 +2,8 @@
 //!
 //! [`atomic`] owns every write, and [`unfinished`] what a run that ends early must not leave behind. [`picture`] turns what a renderer hands back into a picture file, [`animation`] many of them into a film; [`formats`] is
 //! the table of structure formats, one module each ([`json`], [`mmcif`], [`cjson`], [`mol2`], [`pdb`], [`sdf`], [`xyz`]). Writers take any [`std::io::Write`] and
-//! stream: none builds the file in memory. What a format cannot hold is named by `losses`, never dropped silently.
+//! stream: none builds the file in memory. What a format cannot hold is named by `losses`, never dropped silently. [`solid`] writes scenes as triangles
+//! for other programs.
 
 pub mod animation;
 pub mod atomic;
@@ -16,6 +17,7 @@ pub mod pdb;
 pub mod picture;
 mod png;
 pub mod sdf;
+pub mod solid;
 mod text;
 pub mod unfinished;
 pub mod xyz;

@@ -1,6 +1,7 @@
 //! The words of the language: the one table that the parser, `--help` and completions are made of.
 
 use crate::element::Element;
+use crate::error::slips;
 
 /// Atoms that a word alone names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -277,26 +278,6 @@ pub(super) fn likely(text: &str) -> Option<String> {
         _ if text.len() == 1 => Some(format!("chain {text}")),
         _ => None,
     }
-}
-
-/// Letters to be put in, taken away, changed or swapped with their neighbour to come from one word to another (the distance of
-/// Damerau and Levenshtein, in its restricted form).
-fn slips(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().take(32).collect(), b.chars().collect());
-    let mut rows = vec![(0..=b.len()).collect::<Vec<usize>>()];
-    for i in 1..=a.len() {
-        let mut row = vec![i];
-        for j in 1..=b.len() {
-            let change = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            let mut least = change.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                least = least.min(rows[i - 2][j - 2] + 1);
-            }
-            row.push(least);
-        }
-        rows.push(row);
-    }
-    rows[a.len()][b.len()]
 }
 
 /// Columns of the help.

@@ -11,11 +11,13 @@ mod command;
 pub mod picture;
 pub mod samples;
 pub mod sums;
+mod upgrade;
 
 pub use command::Flag;
 pub use picture::Picture;
 
 use crate::bonds::{BondMode, BondOptions};
+use crate::color::Srgb8;
 use crate::crystal::{AssemblyId, BondsPerFrame, CellChoice, CrystalOptions};
 use crate::error::{Error, Result};
 use crate::export::atomic;
@@ -39,8 +41,8 @@ const MOST_STREAM_BYTES: u64 = 1 << 26;
 /// Most measurements of a session: their numbers are kept from one another's way, which takes the square of them (chosen; nobody reads as many).
 const MOST_MEASUREMENTS: usize = 1000;
 
-/// The version of the format that is written, and the newest that is read.
-pub const VERSION: u32 = 1;
+/// The version of the format that is written, and the newest that is read; what older ones mean says `upgrade`.
+pub const VERSION: u32 = 2;
 
 /// A file of a session.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -107,15 +109,12 @@ pub struct Session {
     #[serde(default)]
     pub hide: Vec<String>,
     /// `--ball-scale`.
-    #[serde(default = "one")]
     pub ball_scale: f32,
     /// `--stick-scale`.
-    #[serde(default = "one")]
     pub stick_scale: f32,
     /// `--look`.
     pub look: String,
     /// `--light`.
-    #[serde(default = "camera")]
     pub light: String,
     /// `--fog`; `null` for the look's.
     #[serde(default)]
@@ -147,7 +146,6 @@ pub struct Session {
     /// `--no-water` if false.
     pub water: bool,
     /// `--no-ions` if false.
-    #[serde(default = "shown")]
     pub ions: bool,
     /// `--altloc`.
     pub altloc: String,
@@ -177,7 +175,6 @@ pub struct Session {
     /// `--hbonds`.
     pub hbonds: bool,
     /// `--bonds-per-frame`.
-    #[serde(default = "auto")]
     pub bonds_per_frame: String,
     /// `--cell`.
     pub cell: String,
@@ -213,26 +210,6 @@ pub struct Session {
 
 /// What is in focus where nothing is said.
 const FOCUS: f32 = 0.3;
-
-/// What a session says of lights where it was saved before they could be chosen.
-fn camera() -> String {
-    LightFrame::default().name().to_owned()
-}
-
-/// What a session says of sizes where it was saved before they could be chosen.
-fn one() -> f32 {
-    1.0
-}
-
-/// What a session says of ions where it was saved before they could be left out.
-fn shown() -> bool {
-    true
-}
-
-/// What a session says of bonds in frames where it was saved before it could be chosen.
-fn auto() -> String {
-    BondsPerFrame::default().name().to_owned()
-}
 
 /// A part of the picture's height as flags have it, without the digits that rounding adds.
 fn thousandths(part: f32) -> f32 {
@@ -360,9 +337,9 @@ impl Session {
         let opacity = within("overlay_opacity", self.overlay_opacity, 1.0)?;
         let color = |field: &str, text: &Option<String>| match text {
             None => Ok(None),
-            Some(text) => match crate::color::Srgb8::parse(text) {
+            Some(text) => match Srgb8::parse(text) {
                 Some(color) if color.a == 255 => Ok(Some(color)),
-                _ => Err(wrong(field, text, "#rrggbb, or a name of a colour")),
+                _ => Err(wrong(field, text, &format!("#rrggbb, or a name of a colour{}", Srgb8::instead_of(text)))),
             },
         };
         let viewpoint = match &self.camera {
@@ -398,7 +375,7 @@ impl Session {
                 other => return Err(wrong("projection", other, "perspective or orthographic")),
             },
             ground: self.ground,
-            background: match (self.background.as_str(), crate::color::Srgb8::parse(&self.background)) {
+            background: match (self.background.as_str(), Srgb8::parse(&self.background)) {
                 (TRANSPARENT, _) => Background::Transparent,
                 (_, Some(color)) if color.a == 255 => Background::Color(color),
                 (other, _) => return Err(wrong("background", other, "transparent, #rrggbb, or a name of a colour")),
@@ -455,9 +432,12 @@ impl Session {
         };
         let color = |text: &String| {
             let (atoms, value) = sides("color", text)?;
-            match crate::color::Srgb8::parse(&value) {
+            match Srgb8::parse(&value) {
                 Some(color) if color.a == 255 => Ok((atoms, color)),
-                _ => Err(wrong("color", &value, "#rrggbb, or a name of a colour")),
+                _ => {
+                    let expected = format!("#rrggbb, or a name of a colour{}", Srgb8::instead_of(&value));
+                    Err(wrong("color", &value, &expected))
+                }
             }
         };
         let style = |text: &String| {
@@ -522,13 +502,9 @@ impl Session {
             Error::input((error.line() > 0).then_some(error.line() as u64), format!("this is no session: {message}"))
         };
         let head: Head = serde_json::from_slice(bytes).map_err(failed)?;
-        if head.ballstick_session != VERSION {
-            return Err(Error::Unsupported(format!(
-                "the session is of version {}, and this program reads version {VERSION}; a newer ballstick may read it",
-                head.ballstick_session
-            )));
-        }
-        let mut session: Session = serde_json::from_slice(bytes).map_err(failed)?;
+        let bytes = upgrade::upgraded(bytes, head.ballstick_session)?;
+        let mut session: Session = serde_json::from_slice(&bytes).map_err(failed)?;
+        session.ballstick_session = VERSION;
         for file in &mut session.files {
             if file.frame == 0 {
                 return Err(wrong("frame", "0", "a number from 1 on"));

@@ -550,3 +550,42 @@ fn crystals_are_drawn_as_asked_and_listed_as_they_are() {
     assert!(run.err().contains("no unit cell"), "{}", run.err());
     case.run(&["render", "diamond.xyz", "-o", "c.png", "--supercell", "0x1x1"]).status(2);
 }
+
+#[test]
+fn convert_writes_the_scene_as_a_mesh_with_the_flags_of_render() {
+    let case = Case::new(&[("water.xyz", WATER), ("p.pdb", PEPTIDE), ("salt.xyz", SALT)]);
+    for name in ["a.glb", "a.gltf", "a.obj", "a.ply"] {
+        case.run(&["convert", "water.xyz", "p.pdb", "-o", name, "--style", "licorice", "--tolerance", "0.05"])
+            .status(0);
+        assert!(fs::metadata(case.path(name)).unwrap().len() > 1000, "{name}");
+    }
+    assert!(case.read("a.mtl").contains("newmtl color_"));
+    let run = case.run(&["convert", "water.xyz", "water.stl"]).status(0);
+    assert!(run.err().contains("the longest side is 100 mm"), "{}", run.err());
+    case.run(&["convert", "water.xyz", "-", "--to", "obj"]).status(0);
+    // What is drawn, and so what is written, is what the flags say.
+    case.run(&["convert", "salt.xyz", "-o", "one.ply", "--cell", "asym", "--no-cell-box"]).status(0);
+    case.run(&["convert", "salt.xyz", "-o", "eight.ply", "--supercell", "2x2x2"]).status(0);
+    let size = |name: &str| fs::metadata(case.path(name)).unwrap().len();
+    assert!(size("eight.ply") > 4 * size("one.ply"));
+    case.run(&["convert", "p.pdb", "none.glb", "--show", "chain Q"]).status(1).says("nothing is drawn");
+    assert!(!case.path("none.glb").exists());
+    case.run(&["convert", "water.xyz", "a.stl", "--compat"]).status(0).says("--compat has no effect on stl");
+    case.run(&["convert", "water.xyz", "a.xyz", "--style", "licorice"]).status(0).says("have no effect");
+    case.run(&["convert", "water.xyz", "p.pdb", "-o", "a.json"]).status(2).says("give one FILE");
+    case.run(&["convert", "water.xyz", "a.glb", "--tolerance", "0"]).status(2).says("0.0001 to 1");
+    case.run(&["convert", "missing.xyz", "a2.glb"]).status(1).says("missing.xyz");
+}
+
+#[test]
+fn an_unknown_colour_is_told_which_was_meant() {
+    let case = Case::new(&[("water.xyz", WATER)]);
+    let draw = |flags: &[&str]| {
+        let start = ["render", "water.xyz", "-o", "a.png", "--size", "20x20", "--quality", "draft"];
+        case.run(&[&start[..], flags].concat())
+    };
+    draw(&["--color", "element O=marine", "--background", "grey90"]).status(0);
+    draw(&["--color", "element O=marin"]).status(2).says("did you mean marine?");
+    draw(&["--background", "wite"]).status(2).says("did you mean white?");
+    draw(&["--outline-color", "stealblue"]).status(2).says("did you mean steelblue?");
+}

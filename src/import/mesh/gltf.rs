@@ -1,20 +1,19 @@
 //! glTF 2.0: the default scene of a `.gltf` (JSON, with buffers as data URIs or as files beside it) or `.glb` (JSON and one buffer
-//! in one file). Node transforms, base colour factors, `COLOR_0` and the alpha mode are applied; textures, skins, morph targets,
-//! cameras and lights are passed over.
+//! in one file). Node transforms, instances (`EXT_mesh_gpu_instancing`), base colour factors and textures (with `KHR_texture_transform`), `COLOR_0` and
+//! the alpha mode are applied; skins, morph targets, cameras and lights are passed over.
 //!
 //! Only the JSON is left to a crate (`gltf-json`). Its companion `gltf` adds the reading of accessors and a validation, which panic
 //! where an index or a count is wrong; here every index is looked up and every range checked (`accessor`).
 
 mod accessor;
+mod paint;
 
 use super::Reading;
-use crate::color::{Srgb8, linear_from_srgb};
 use crate::error::{Error, Result};
 use accessor::Buffers;
 use base64::Engine;
 use glam::{DMat3, DMat4, DQuat, DVec3, Vec3};
 use gltf_json::Root;
-use gltf_json::material::AlphaMode;
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::scene::Node;
 use gltf_json::validation::Checked;
@@ -28,9 +27,11 @@ const MAX_DEPTH: usize = 64;
 /// Nodes visited: each may stand under several parents (chosen).
 const MAX_NODES: usize = 1_000_000;
 
-/// Extensions that files require and whose lack changes no triangle: materials and textures, lights, and smaller numbers, which
-/// accessors read anyway.
-const HARMLESS: [&str; 3] = ["KHR_texture_transform", "KHR_lights_punctual", "KHR_mesh_quantization"];
+/// By this a mesh has instances.
+const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
+/// Extensions that files require and that are read, or whose lack changes no triangle: lights, and smaller numbers, which accessors read anyway.
+const HARMLESS: [&str; 4] = [INSTANCING, "KHR_texture_transform", "KHR_lights_punctual", "KHR_mesh_quantization"];
 
 pub(super) fn read(bytes: &[u8], reading: &mut Reading<'_>) -> Result<()> {
     let (json, binary) = if bytes.starts_with(MAGIC) { chunks(bytes)? } else { (bytes, None) };
@@ -50,7 +51,8 @@ pub(super) fn read(bytes: &[u8], reading: &mut Reading<'_>) -> Result<()> {
             "the glTF file needs the extension {name}, which is not read; export the mesh without it (no compression)"
         )));
     }
-    let mut walk = Walk { root: &root, buffers: buffers(&root, binary, reading)?, reading, nodes: 0, skipped: 0 };
+    let buffers = buffers(&root, binary, reading)?;
+    let mut walk = Walk { root: &root, buffers, reading, pictures: paint::Pictures::default(), nodes: 0, skipped: 0 };
     let scene = root.scene.as_ref().and_then(|index| root.scenes.get(index.value())).or(root.scenes.first());
     match scene {
         Some(scene) => {
@@ -95,7 +97,7 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
 
 /// The bytes of all buffers: the file's own, data URIs, files beside it.
 fn buffers<'a>(root: &Root, binary: Option<&'a [u8]>, reading: &Reading<'_>) -> Result<Buffers<'a>> {
-    let mut buffers = Buffers::default();
+    let mut buffers = Buffers::new(reading.limits.triangles.saturating_mul(3));
     for (index, buffer) in root.buffers.iter().enumerate() {
         let bytes: Cow<'a, [u8]> = match &buffer.uri {
             None if index == 0 => binary.unwrap_or_default().into(),
@@ -141,6 +143,7 @@ struct Walk<'a, 'b, 'c> {
     root: &'a Root,
     buffers: Buffers<'a>,
     reading: &'b mut Reading<'c>,
+    pictures: paint::Pictures,
     nodes: usize,
     /// Parts that are no triangles.
     skipped: usize,
@@ -159,12 +162,49 @@ impl Walk<'_, '_, '_> {
         }
         let scene_from_node = scene_from_parent * parent_from_node(node);
         if let Some(mesh) = &node.mesh {
-            self.mesh(mesh.value(), scene_from_node)?;
+            match self.instances(node)? {
+                None => self.mesh(mesh.value(), scene_from_node)?,
+                Some(instances) => {
+                    for node_from_instance in instances {
+                        self.mesh(mesh.value(), scene_from_node * node_from_instance)?;
+                    }
+                }
+            }
         }
         for child in node.children.iter().flatten() {
             self.node(child.value(), scene_from_node, depth + 1)?;
         }
         Ok(())
+    }
+
+    /// Where the instances of a node's mesh stand; `None` if it has none. What is not stated is as usual.
+    fn instances(&self, node: &Node) -> Result<Option<Vec<DMat4>>> {
+        let extension = node.extensions.as_ref().and_then(|extensions| extensions.others.get(INSTANCING));
+        let Some(attributes) = extension.and_then(|extension| extension.get("attributes")) else { return Ok(None) };
+        let column = |name: &str, least: usize| match attributes.get(name) {
+            None => Ok(None),
+            Some(index) => {
+                let index = index.as_u64().and_then(|index| usize::try_from(index).ok()).unwrap_or(usize::MAX);
+                self.buffers.vectors(self.root, index, least).map(Some)
+            }
+        };
+        let (translations, rotations, scales) =
+            (column("TRANSLATION", 3)?, column("ROTATION", 4)?, column("SCALE", 3)?);
+        let counts = [&translations, &rotations, &scales].map(|column| column.as_ref().map(Vec::len));
+        let Some(count) = counts.into_iter().flatten().next() else { return Ok(None) };
+        if counts.into_iter().flatten().any(|other| other != count) {
+            return Err(Error::input(None, format!("{INSTANCING}: its columns have different lengths")));
+        }
+        let of = |column: &Option<Vec<[f32; 4]>>, index: usize| -> Option<[f64; 4]> {
+            column.as_ref()?.get(index).map(|vector| vector.map(f64::from))
+        };
+        let matrix = |index: usize| {
+            let [x, y, z, _] = of(&translations, index).unwrap_or([0.0; 4]);
+            let [sx, sy, sz, _] = of(&scales, index).unwrap_or([1.0; 4]);
+            let rotation = unit_rotation(of(&rotations, index).unwrap_or([0.0, 0.0, 0.0, 1.0]));
+            DMat4::from_scale_rotation_translation(DVec3::new(sx, sy, sz), rotation, DVec3::new(x, y, z))
+        };
+        Ok(Some((0..count).map(matrix).collect()))
     }
 
     fn mesh(&mut self, index: usize, scene_from_mesh: DMat4) -> Result<()> {
@@ -199,7 +239,18 @@ impl Walk<'_, '_, '_> {
         let colors = find(Semantic::Colors(0)).map(|index| values(index, 3)).transpose()?.unwrap_or_default();
         let indices =
             primitive.indices.as_ref().map(|index| self.buffers.indices(self.root, index.value())).transpose()?;
-        let paint = self.paint(primitive, !colors.is_empty());
+        let paint = paint::of(self.root, primitive, !colors.is_empty());
+        let picture = match &paint.texture {
+            Some(texture) => self.pictures.number(self.root, texture, &self.buffers, self.reading),
+            None => None,
+        };
+        let places = match (&paint.texture, picture) {
+            (Some(texture), Some(_)) => find(Semantic::TexCoords(texture.set))
+                .map(|index| self.buffers.vectors(self.root, index, 2))
+                .transpose()?
+                .unwrap_or_default(),
+            _ => Vec::new(),
+        };
         let matrix = DMat3::from_mat4(scene_from_mesh);
         // Normals go with the inverse transposed, which for a flattened part there is none of.
         let turn = matrix.inverse().transpose();
@@ -210,7 +261,9 @@ impl Walk<'_, '_, '_> {
             let position = if super::is_plausible(position) { position.as_vec3() } else { Vec3::NAN };
             let normal =
                 normals.get(index).map(|&[x, y, z, _]| (turn * DVec3::from([x, y, z].map(f64::from))).as_vec3());
-            self.reading.mesh.push_vertex(position, normal, paint.color(colors.get(index).copied()));
+            let texel = (paint.texture.as_ref().zip(picture).zip(places.get(index)))
+                .map(|((texture, picture), &[u, v, ..])| self.pictures.sample(picture, texture, [u, v]));
+            self.reading.mesh.push_vertex(position, normal, paint.color(colors.get(index).copied(), texel));
         }
         let count = positions.len();
         let sequential = || (0..u32::try_from(count).unwrap_or(u32::MAX)).collect();
@@ -228,47 +281,6 @@ impl Walk<'_, '_, '_> {
         }
         self.reading.check_size(None)
     }
-
-    fn paint(&self, primitive: &Primitive, has_colors: bool) -> Paint {
-        let material = primitive.material.as_ref().and_then(|index| self.root.materials.get(index.value()));
-        match material {
-            Some(material) => {
-                let [r, g, b, a] = material.pbr_metallic_roughness.base_color_factor.0;
-                let mode = match material.alpha_mode {
-                    Checked::Valid(mode) => mode,
-                    Checked::Invalid => AlphaMode::Opaque,
-                };
-                let cutoff = material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
-                Paint { factor: [r, g, b, a], mode, cutoff }
-            }
-            None if has_colors => Paint { factor: [1.0; 4], mode: AlphaMode::Blend, cutoff: 0.5 },
-            None => {
-                let Srgb8 { r, g, b, .. } = super::UNCOLORED;
-                let [r, g, b] = [r, g, b].map(|byte| linear_from_srgb(f32::from(byte) / 255.0));
-                Paint { factor: [r, g, b, 1.0], mode: AlphaMode::Opaque, cutoff: 0.5 }
-            }
-        }
-    }
-}
-
-/// What a material makes of the colours of vertices; linear.
-struct Paint {
-    factor: [f32; 4],
-    mode: AlphaMode,
-    cutoff: f32,
-}
-
-impl Paint {
-    fn color(&self, vertex: Option<[f32; 4]>) -> Srgb8 {
-        let vertex = vertex.unwrap_or([1.0; 4]);
-        let [r, g, b, a] = [0, 1, 2, 3].map(|i| self.factor[i] * vertex[i]);
-        let alpha = match self.mode {
-            AlphaMode::Opaque => 1.0,
-            AlphaMode::Mask => f32::from(u8::from(a >= self.cutoff)),
-            AlphaMode::Blend => a,
-        };
-        Srgb8::from_linear([r, g, b], alpha)
-    }
 }
 
 /// A matrix, or translation, rotation and scale.
@@ -279,7 +291,10 @@ fn parent_from_node(node: &Node) -> DMat4 {
     let scale = node.scale.unwrap_or([1.0; 3]).map(f64::from);
     let rotation = node.rotation.unwrap_or_default().0.map(f64::from);
     let translation = node.translation.unwrap_or([0.0; 3]).map(f64::from);
-    let rotation = DQuat::from_array(rotation);
-    let rotation = if rotation.length_squared() > 1e-12 { rotation.normalize() } else { DQuat::IDENTITY };
-    DMat4::from_scale_rotation_translation(scale.into(), rotation, translation.into())
+    DMat4::from_scale_rotation_translation(scale.into(), unit_rotation(rotation), translation.into())
+}
+
+fn unit_rotation(xyzw: [f64; 4]) -> DQuat {
+    let rotation = DQuat::from_array(xyzw);
+    if rotation.length_squared() > 1e-12 { rotation.normalize() } else { DQuat::IDENTITY }
 }

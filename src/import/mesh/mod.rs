@@ -2,8 +2,8 @@
 //! materials (`obj`, `mtl`) and glTF 2.0, as JSON or binary (`gltf`, `gltf/accessor`).
 //!
 //! Positions are taken as ångström in the frame of the atoms' file (glTF says metres; tools that draw molecules write ångström).
-//! Read are positions, normals, colours and opacity; textures are not. Files that a mesh names (materials, buffers) are
-//! read only if they are in its own folder or below it, nothing from a network.
+//! Read are positions, normals, colours and opacity; base colour textures where the vertices are (`texture`). Files that a mesh names (materials, buffers,
+//! pictures) are read only if they are in its own folder or below it, nothing from a network.
 //!
 //! Sources: the Wavefront "Object Files" and "Material Template Library" specifications as far as other tools write them, and
 //! the Khronos glTF 2.0 specification (2021).
@@ -12,6 +12,7 @@ mod companion;
 mod gltf;
 mod mtl;
 mod obj;
+mod texture;
 
 use super::text::shown;
 use super::{ImportOptions, Limits, decompress, file, is_plausible, text, too_large};
@@ -30,6 +31,8 @@ struct Reading<'a> {
     diagnostics: Diagnostics,
     limits: &'a Limits,
     folder: Folder<'a>,
+    /// Bytes that unpacked pictures may still take.
+    picture_bytes: u64,
 }
 
 impl Reading<'_> {
@@ -88,7 +91,13 @@ pub fn read_bytes(
     let mut diagnostics = Diagnostics::default();
     let plain = decompress::decompress(bytes, &options.limits, &mut diagnostics)?;
     let folder = Folder::new(folder, &options.limits);
-    let mut reading = Reading { mesh: MeshBuilder::default(), diagnostics, limits: &options.limits, folder };
+    let mut reading = Reading {
+        mesh: MeshBuilder::default(),
+        diagnostics,
+        limits: &options.limits,
+        folder,
+        picture_bytes: texture::MOST_BYTES,
+    };
     if plain.starts_with(gltf::MAGIC) || first_byte(&plain) == Some(b'{') {
         gltf::read(&plain, &mut reading)?;
     } else {

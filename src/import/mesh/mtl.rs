@@ -1,5 +1,5 @@
-//! Wavefront materials: of each the diffuse colour (`Kd`) and the opacity (`d`, or `Tr`, what it lacks to 1). Everything else
-//! (highlights, textures) is passed over.
+//! Wavefront materials: of each the diffuse colour (`Kd`), its picture (`map_Kd`) and the opacity (`d`, or `Tr`, what it lacks to 1). Everything
+//! else (highlights, other pictures, the options of `map_Kd`) is passed over.
 //!
 //! The format does not say in which colour space its numbers are; as in the programs that write and show it they are taken as sRGB.
 
@@ -8,8 +8,18 @@ use super::super::text::{Lines, next_word};
 use crate::color::Srgb8;
 use std::collections::HashMap;
 
-/// Colours of materials by name; [`super::UNCOLORED`] for one without `Kd`.
-pub(super) fn read(text: &[u8], line_bytes: usize, materials: &mut HashMap<Vec<u8>, Srgb8>) {
+/// A material.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Material {
+    /// [`super::UNCOLORED`] without `Kd`, but white under a picture.
+    pub(super) color: Srgb8,
+    has_color: bool,
+    /// The name of its picture.
+    pub(super) map: Option<String>,
+}
+
+/// Materials by name.
+pub(super) fn read(text: &[u8], line_bytes: usize, materials: &mut HashMap<Vec<u8>, Material>) {
     let mut current = None;
     for line in Lines::new(text, line_bytes) {
         let Some((word, rest)) = next_word(line) else { continue };
@@ -17,11 +27,20 @@ pub(super) fn read(text: &[u8], line_bytes: usize, materials: &mut HashMap<Vec<u
             current = Some(rest.trim_ascii().to_vec());
         }
         let Some(name) = &current else { continue };
-        let color = materials.entry(name.clone()).or_insert(super::UNCOLORED);
+        let material =
+            materials.entry(name.clone()).or_insert(Material { color: super::UNCOLORED, has_color: false, map: None });
+        let color = &mut material.color;
         match word {
             b"Kd" => {
                 if let Some([r, g, b]) = color_of(rest) {
                     *color = Srgb8 { r, g, b, a: color.a };
+                    material.has_color = true;
+                }
+            }
+            b"map_Kd" => {
+                material.map = map_name(rest);
+                if !material.has_color && material.map.is_some() {
+                    *color = Srgb8 { a: color.a, ..Srgb8::WHITE };
                 }
             }
             b"d" => {
@@ -33,6 +52,31 @@ pub(super) fn read(text: &[u8], line_bytes: usize, materials: &mut HashMap<Vec<u
             _ => {}
         }
     }
+}
+
+/// The name behind the options of a map: `-s 1 1 1 -clamp on name.png`. Names may have blanks.
+fn map_name(rest: &[u8]) -> Option<String> {
+    let mut rest = rest.trim_ascii();
+    while rest.starts_with(b"-") {
+        let (option, mut left) = next_word(rest)?;
+        let most = if matches!(option, b"-o" | b"-s" | b"-t") {
+            3
+        } else if option == b"-mm" {
+            2
+        } else {
+            1
+        };
+        for count in 0..most {
+            let Some((word, after)) = next_word(left) else { break };
+            // Of three numbers two may be left out.
+            if count > 0 && next_f64(word).is_none_or(|(_, _, more)| !more.is_empty()) {
+                break;
+            }
+            left = after;
+        }
+        rest = left.trim_ascii();
+    }
+    (!rest.is_empty()).then(|| String::from_utf8_lossy(rest).into_owned())
 }
 
 /// Three numbers, or one for all three.
@@ -58,11 +102,30 @@ mod tests {
                      newmtl bad\nKd spectral file.rfl\nd nan\nnewmtl halo\nd -halo 0.2\n";
         let mut materials = HashMap::new();
         read(text, 1000, &mut materials);
-        let of = |name: &[u8]| materials.get(name).copied();
+        let of = |name: &[u8]| materials.get(name).map(|material| material.color);
         assert_eq!(of(b"red glass"), Some(Srgb8 { r: 255, g: 0, b: 51, a: 128 }));
         assert_eq!(of(b"clear"), Some(Srgb8 { r: 102, g: 102, b: 102, a: 191 }));
         assert_eq!(of(b"bad"), Some(super::super::UNCOLORED));
         assert_eq!(of(b"halo").map(|color| color.a), Some(51));
         assert_eq!(materials.len(), 4);
+    }
+
+    #[test]
+    fn pictures_of_materials_stand_behind_their_options() {
+        for (line, name) in [
+            ("map_Kd wood.png", Some("wood.png")),
+            ("map_Kd -s 2 2 1 -clamp on my wood.png", Some("my wood.png")),
+            ("map_Kd -o 0.5 wood.png", Some("wood.png")),
+            ("map_Kd -mm 0 1 -blendu off wood.png", Some("wood.png")),
+            ("map_Kd -clamp", None),
+            ("map_Kd", None),
+        ] {
+            let mut materials = HashMap::new();
+            read(format!("newmtl a\n{line}\nd 0.5\n").as_bytes(), 1000, &mut materials);
+            let material = &materials[&b"a"[..]];
+            assert_eq!(material.map.as_deref(), name, "{line}");
+            let color = if name.is_some() { Srgb8::WHITE } else { super::super::UNCOLORED };
+            assert_eq!(material.color, Srgb8 { a: 128, ..color });
+        }
     }
 }

@@ -1,12 +1,13 @@
-//! Wavefront OBJ: `v` (with colour, where six numbers are given), `vn`, `f`, `usemtl`, `mtllib`. Faces of more than three corners
-//! are fans. `#` begins a comment, `\` at the end of a line goes on with the next one.
+//! Wavefront OBJ: `v` (with colour, where six numbers are given), `vn`, `vt`, `f`, `usemtl`, `mtllib`. Faces of more than three corners
+//! are fans. Pictures of materials are read at the vertices. `#` begins a comment, `\` at the end of a line goes on with the next one.
 //!
 //! Why no crate reads it: the usual one names no lines in its errors, stops at `Kd 0.5` with a panic, refuses the whole file for one
 //! bad line, and mixes up colours and normals where only some vertices have them.
-//! Limits: curves, free-form surfaces, lines and points are passed over; texture coordinates too.
+//! Limits: curves, free-form surfaces, lines and points are passed over.
 
 use super::super::number::{next_f64, next_vector, parse_i64};
 use super::super::text::{Lines, Repeated, next_word, normalise, shown, words};
+use super::texture::{Texture, Wrap};
 use super::{Reading, UNCOLORED, is_plausible, mtl};
 use crate::color::Srgb8;
 use crate::error::Result;
@@ -28,8 +29,11 @@ pub(super) fn is_obj(text: &[u8]) -> bool {
     })
 }
 
-/// A corner of a face: vertex, normal (`u32::MAX` for none) and material.
-type Corner = (u32, u32, u32);
+/// A corner of a face: vertex, normal and place in the picture (`u32::MAX` for none), and material.
+type Corner = (u32, u32, u32, u32);
+
+/// What a material does: its colour, and the number of its picture.
+type Paint = (Srgb8, Option<usize>);
 
 /// What has been read so far.
 #[derive(Default)]
@@ -38,12 +42,17 @@ struct Lists {
     /// Colours of the vertices from the first one on that has any.
     colors: Vec<Option<Srgb8>>,
     normals: Vec<Vec3>,
+    /// Places in pictures, from their lower left corner.
+    places: Vec<[f32; 2]>,
     /// Vertices of the mesh that stand for corners. A vertex of two materials or normals is two of these.
     corners: HashMap<Corner, u32>,
-    materials: HashMap<Vec<u8>, Srgb8>,
-    /// The colours that were in use, each once, and which of them is now.
-    in_use: Vec<Option<Srgb8>>,
-    number_of: HashMap<Option<Srgb8>, u32>,
+    materials: HashMap<Vec<u8>, mtl::Material>,
+    /// Pictures that materials in use have, and their numbers by name; `None` for what could not be read.
+    pictures: Vec<Texture>,
+    picture_of: HashMap<String, Option<usize>>,
+    /// What was in use, each once, and which of it is now.
+    in_use: Vec<Option<Paint>>,
+    number_of: HashMap<Option<Paint>, u32>,
     current: u32,
     bad_vertex: Repeated,
     bad_face: Repeated,
@@ -77,12 +86,17 @@ pub(super) fn read(text: &[u8], reading: &mut Reading<'_>) -> Result<()> {
         match word {
             b"v" => lists.vertex(rest, number),
             b"vn" => lists.normals.push(next_vector(rest).map_or(Vec3::ZERO, |(normal, _, _)| normal.as_vec3())),
+            b"vt" => {
+                let number = |rest| next_f64(rest).map_or((0.0, &[][..]), |(number, _, rest)| (number as f32, rest));
+                let (u, rest) = number(rest);
+                lists.places.push([u, number(rest).0]);
+            }
             b"f" => {
                 lists.face(rest, number, &mut face, reading);
                 reading.check_size(Some(number))?;
             }
             b"mtllib" => lists.library(rest, number, reading),
-            b"usemtl" => lists.material(rest.trim_ascii(), number),
+            b"usemtl" => lists.material(rest.trim_ascii(), number, reading),
             _ => {}
         }
     }
@@ -170,22 +184,44 @@ impl Lists {
         if !self.positions[vertex as usize].is_finite() {
             return Err(format!("vertex {} has no position", vertex + 1));
         }
-        let normal = match parts.nth(1) {
+        let place = match parts.next() {
+            // What is not shown need not be there: many files number what they leave out.
+            Some(part) if !part.is_empty() && self.has_picture() => {
+                index(part, self.places.len(), "place in the picture")?
+            }
+            _ => u32::MAX,
+        };
+        let normal = match parts.next() {
             None | Some(b"") => u32::MAX,
             Some(part) => index(part, self.normals.len(), "normal")?,
         };
-        Ok((vertex, normal, self.current))
+        Ok((vertex, normal, place, self.current))
+    }
+
+    /// Whether the material in use has a picture.
+    fn has_picture(&self) -> bool {
+        matches!(self.in_use.get(self.current as usize), Some(Some((_, Some(_)))))
     }
 
     /// The vertex of the mesh for a corner.
     fn mesh_vertex(&mut self, corner: Corner, reading: &mut Reading<'_>) -> u32 {
-        let (vertex, normal, material) = corner;
+        let (vertex, normal, place, material) = corner;
         *self.corners.entry(corner).or_insert_with(|| {
             let normal = self.normals.get(normal as usize).copied();
             let own = self.colors.get(vertex as usize).copied().flatten();
-            let color = match (self.in_use[material as usize], own) {
-                (Some(material), Some(own)) => Srgb8 { a: material.a, ..own },
-                (material, own) => own.or(material).unwrap_or(UNCOLORED),
+            let paint = self.in_use[material as usize];
+            let color = match (paint, own) {
+                (Some((material, _)), Some(own)) => Srgb8 { a: material.a, ..own },
+                (material, own) => own.or(material.map(|(color, _)| color)).unwrap_or(UNCOLORED),
+            };
+            let picture = paint.and_then(|(_, picture)| self.pictures.get(picture?));
+            let color = match (picture, self.places.get(place as usize)) {
+                (Some(picture), Some(&[u, v])) => {
+                    let [r, g, b, a] = picture.sample([u, 1.0 - v], [Wrap::Repeat; 2]);
+                    let own = color.to_linear();
+                    Srgb8::from_linear([r * own[0], g * own[1], b * own[2]], a * f32::from(color.a) / 255.0)
+                }
+                _ => color,
             };
             reading.mesh.push_vertex(self.positions[vertex as usize], normal, color)
         })
@@ -194,16 +230,24 @@ impl Lists {
     /// `mtllib`: one name with blanks, or several names.
     fn library(&mut self, rest: &[u8], number: u64, reading: &mut Reading<'_>) {
         let whole = String::from_utf8_lossy(rest.trim_ascii()).into_owned();
-        let read = |name: &str| reading.folder.read(name);
+        let read = |name: &str| reading.folder.read(name).map(|bytes| (name.to_owned(), bytes));
         let libraries: Vec<_> = match read(&whole) {
             Err(_) if whole.contains(' ') => whole.split_whitespace().map(read).collect(),
             one => vec![one],
         };
         for library in libraries {
             match library {
-                Ok(bytes) => {
+                Ok((name, bytes)) => {
                     let text = normalise(&bytes, &mut reading.diagnostics);
-                    mtl::read(&text, reading.limits.line_bytes, &mut self.materials);
+                    let mut materials = HashMap::new();
+                    mtl::read(&text, reading.limits.line_bytes, &mut materials);
+                    // Pictures are named from where the materials are.
+                    if let Some((folder, _)) = name.rsplit_once(['/', '\\']) {
+                        for map in materials.values_mut().filter_map(|material| material.map.as_mut()) {
+                            *map = format!("{folder}/{map}");
+                        }
+                    }
+                    self.materials.extend(materials);
                 }
                 Err(why) => {
                     reading.diagnostics.warn(Some(number), format!("{why}; what has its materials is drawn grey"));
@@ -212,15 +256,41 @@ impl Lists {
         }
     }
 
-    fn material(&mut self, name: &[u8], number: u64) {
-        let color = self.materials.get(name).copied();
-        if color.is_none() && !self.materials.is_empty() {
+    fn material(&mut self, name: &[u8], number: u64, reading: &mut Reading<'_>) {
+        let material = self.materials.get(name).cloned();
+        if material.is_none() && !self.materials.is_empty() {
             self.no_material.note(number, || format!("there is no material \"{}\"; grey is taken", shown(name)));
         }
+        let paint = material.map(|material| {
+            let picture = material.map.and_then(|map| self.picture(map, number, reading));
+            (material.color, picture)
+        });
         let next = self.in_use.len() as u32;
-        self.current = *self.number_of.entry(color).or_insert(next);
+        self.current = *self.number_of.entry(paint).or_insert(next);
         if self.current == next {
-            self.in_use.push(color);
+            self.in_use.push(paint);
         }
+    }
+
+    /// The number of the picture of a name, which is read if it was not yet.
+    fn picture(&mut self, name: String, number: u64, reading: &mut Reading<'_>) -> Option<usize> {
+        if let Some(&picture) = self.picture_of.get(&name) {
+            return picture;
+        }
+        let read = reading.folder.read(&name).map_err(|error| error.to_string());
+        let picture = match read.and_then(|bytes| Texture::decode(&bytes, &mut reading.picture_bytes)) {
+            Ok(picture) => {
+                self.pictures.push(picture);
+                Some(self.pictures.len() - 1)
+            }
+            Err(why) => {
+                let name = shown(name.as_bytes());
+                let message = format!("the picture {name} is left out: {why}; the material's own colour is taken");
+                reading.diagnostics.warn(Some(number), message);
+                None
+            }
+        };
+        self.picture_of.insert(name, picture);
+        picture
     }
 }

@@ -125,6 +125,159 @@ fn a_gltf_stands_where_its_nodes_put_it_in_the_colours_of_vertices_and_material(
     }
 }
 
+/// A grid of the four colours of [`texture::tests::four_colors`] is what a square with a corner in the middle of each has.
+const FOUR: [Srgb8; 4] =
+    [Srgb8::rgb(0, 0, 255), Srgb8 { r: 255, g: 255, b: 255, a: 128 }, Srgb8::rgb(0, 255, 0), Srgb8::rgb(255, 0, 0)];
+
+/// [`square`] with places in a picture in place of colours, in an image that is said by `IMAGE`.
+fn pictured() -> (String, Vec<u8>) {
+    let (json, mut buffer) = square();
+    let json = json
+        .replace("\"COLOR_0\":1", "\"TEXCOORD_0\":3")
+        .replace("[1,1,1,0.5]}", "[1,1,1,1],\"baseColorTexture\":{\"index\":0 TRANSFORM}}")
+        .replace("\"buffers\"", "\"textures\":[{\"source\":0}],\"images\":[{IMAGE}],\"buffers\"")
+        .replace("\"byteLength\":12}]", "\"byteLength\":12},{\"buffer\":0,\"byteOffset\":76,\"byteLength\":32}PICTURE]")
+        .replace(
+            "\"type\":\"SCALAR\"}]",
+            "\"type\":\"SCALAR\"},{\"bufferView\":3,\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"}]",
+        );
+    for x in [[0.25f32, 0.75], [0.75, 0.75], [0.75, 0.25], [0.25, 0.25]].concat() {
+        buffer.extend(x.to_le_bytes());
+    }
+    (json, buffer)
+}
+
+#[test]
+fn a_gltf_has_the_colours_of_its_picture_wherever_that_is() {
+    let (json, mut buffer) = pictured();
+    let png = texture::tests::four_colors();
+    let base64 = base64::Engine::encode(&base64::engine::general_purpose::STANDARD, &png);
+    let place = buffer.len();
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a b.png"), &png).unwrap();
+    buffer.extend(&png);
+    let view = format!(",{{\"buffer\":0,\"byteOffset\":{place},\"byteLength\":{}}}", png.len());
+    for image in [
+        "\"bufferView\":4,\"mimeType\":\"image/png\"".to_owned(),
+        format!("\"uri\":\"data:image/png;base64,{base64}\""),
+        "\"uri\":\"a%20b.png\"".to_owned(),
+    ] {
+        let json = json.replace("IMAGE", &image).replace("PICTURE", &view);
+        let json =
+            json.replace("TRANSFORM", "").replace("\"byteLength\":76", &format!("\"byteLength\":{}", buffer.len()));
+        let path = folder.path().join("a.glb");
+        std::fs::write(&path, glb(&json, &buffer)).unwrap();
+        let (mesh, said) = read_path(&path, &ImportOptions::default()).unwrap();
+        assert!(said.is_empty(), "{said:?}");
+        assert_eq!(mesh.colors(), FOUR, "{image}");
+        // Half a picture on and turned: the extension that many tools write.
+        let moved = json.replace(
+            "{\"index\":0 }",
+            "{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"offset\":[0.5,0],\"scale\":[1,1]}}}",
+        );
+        assert_ne!(moved, json);
+        std::fs::write(&path, glb(&moved, &buffer)).unwrap();
+        let (mesh, _) = read_path(&path, &ImportOptions::default()).unwrap();
+        assert_eq!(mesh.colors(), [FOUR[1], FOUR[0], FOUR[3], FOUR[2]]);
+    }
+}
+
+#[test]
+fn a_picture_that_is_missing_broken_or_elsewhere_costs_only_itself() {
+    let (json, buffer) = pictured();
+    let folder = tempfile::tempdir().unwrap();
+    let inner = folder.path().join("mesh");
+    std::fs::create_dir(&inner).unwrap();
+    std::fs::write(folder.path().join("secret.png"), texture::tests::four_colors()).unwrap();
+    std::fs::write(inner.join("broken.png"), &texture::tests::four_colors()[..50]).unwrap();
+    for image in [
+        "\"uri\":\"none.png\"",
+        "\"uri\":\"broken.png\"",
+        "\"uri\":\"../secret.png\"",
+        "\"uri\":\"http://example.org/a.png\"",
+        "\"uri\":\"data:image/png;base64,AAAA\"",
+        "\"bufferView\":0,\"mimeType\":\"image/png\"",
+        "\"bufferView\":99,\"mimeType\":\"image/png\"",
+        "",
+    ] {
+        let json =
+            json.replace("IMAGE", image).replace("PICTURE", "").replace("TRANSFORM", "").replace("76 URI", "108");
+        let path = inner.join("a.glb");
+        std::fs::write(&path, glb(&json, &buffer)).unwrap();
+        let (mesh, said) = read_path(&path, &ImportOptions::default()).unwrap();
+        assert_eq!(mesh.colors(), [Srgb8::WHITE; 4], "{image}");
+        assert!(said.len() == 1 && said[0].message.contains("image 0 is left out"), "{said:?}");
+    }
+}
+
+#[test]
+fn an_obj_has_the_colours_of_its_materials_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("sub")).unwrap();
+    std::fs::write(folder.path().join("sub/four.png"), texture::tests::four_colors()).unwrap();
+    std::fs::write(
+        folder.path().join("sub/a.mtl"),
+        "newmtl a\nmap_Kd -clamp on four.png\nnewmtl b\nmap_Kd none.png\nKd 1 0 0\n",
+    )
+    .unwrap();
+    let obj = "mtllib sub/a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0.25 0.25\nvt 0.75 0.25\nvt 0.75 0.75\nvt 0.25 0.75\n\
+               usemtl a\nf 1/1 2/2 3/3 4/4\nusemtl b\nf 1/1 2/2 3/3\n";
+    let path = folder.path().join("a.obj");
+    std::fs::write(&path, obj).unwrap();
+    let (mesh, said) = read_path(&path, &ImportOptions::default()).unwrap();
+    // Upwards here, downwards in glTF.
+    assert_eq!(mesh.colors()[..4], FOUR);
+    assert_eq!(mesh.colors()[4], Srgb8::rgb(255, 0, 0));
+    assert!(said.len() == 1 && said[0].line == Some(12) && said[0].message.contains("none.png"), "{said:?}");
+}
+
+#[test]
+fn instances_of_a_mesh_stand_where_they_should() {
+    let (json, mut buffer) = square();
+    let (t, r, s) = (
+        [[0.0f32, 0.0, 0.0], [0.0, 0.0, 5.0]],
+        [[0.0f32, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.0]],
+        [[1.0f32; 3], [2.0; 3]],
+    );
+    let numbers = t.as_flattened().iter().chain(r.as_flattened()).chain(s.as_flattened());
+    numbers.for_each(|x| buffer.extend(x.to_le_bytes()));
+    let json = json
+        .replace("\"mesh\":0,", "\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":3,\"ROTATION\":4,\"SCALE\":5}}},")
+        .replace("\"scene\":0", "\"scene\":0,\"extensionsRequired\":[\"EXT_mesh_gpu_instancing\"]")
+        .replace("\"byteLength\":12}]", "\"byteLength\":12},{\"buffer\":0,\"byteOffset\":76,\"byteLength\":24},{\"buffer\":0,\"byteOffset\":100,\"byteLength\":32},{\"buffer\":0,\"byteOffset\":132,\"byteLength\":24}]")
+        .replace("\"type\":\"SCALAR\"}]", "\"type\":\"SCALAR\"},{\"bufferView\":3,\"componentType\":5126,\"count\":2,\"type\":\"VEC3\"},{\"bufferView\":4,\"componentType\":5126,\"count\":2,\"type\":\"VEC4\"},{\"bufferView\":5,\"componentType\":5126,\"count\":2,\"type\":\"VEC3\"}]");
+    let (mesh, _) = read(&glb(&json, &buffer), "a.glb").unwrap();
+    assert_eq!(mesh.triangles().len(), 4);
+    // The second: (1, 0, 0) twice as large, turned about y, 5 up; then the node: twice along x, turned about z, 10 on.
+    assert!((mesh.positions()[5] - Vec3::new(10.0, -4.0, 5.0)).length() < 1e-5, "{:?}", mesh.positions());
+    let uneven = json.replace("\"count\":2,\"type\":\"VEC4\"", "\"count\":1,\"type\":\"VEC4\"");
+    assert!(read(&glb(&uneven, &buffer), "a.glb").unwrap_err().to_string().contains("different lengths"));
+    let missing = json.replace("\"TRANSLATION\":3", "\"TRANSLATION\":\"x\"");
+    assert!(read(&glb(&missing, &buffer), "a.glb").is_err());
+}
+
+#[test]
+fn sparse_accessors_state_some_elements_and_leave_the_others_as_they_are() {
+    let (json, mut buffer) = square();
+    buffer.extend([2u8, 0, 0, 0]);
+    [7.0f32, 8.0, 9.0].iter().for_each(|x| buffer.extend(x.to_le_bytes()));
+    let sparse =
+        "\"sparse\":{\"count\":1,\"indices\":{\"bufferView\":3,\"componentType\":5121},\"values\":{\"bufferView\":4}}";
+    let json = json
+        .replace("\"byteLength\":12}]", "\"byteLength\":12},{\"buffer\":0,\"byteOffset\":76,\"byteLength\":4},{\"buffer\":0,\"byteOffset\":80,\"byteLength\":12}]")
+        .replace("\"scale\":[2,1,1]", "\"scale\":[1,1,1]")
+        .replace("\"rotation\":[0,0,0.7071067811865476,0.7071067811865476],", "")
+        .replace("\"translation\":[10,0,0],", "");
+    let based = json.replace("\"type\":\"VEC3\"}", &format!("\"type\":\"VEC3\",{sparse}}}"));
+    let (mesh, _) = read(&glb(&based, &buffer), "a.glb").unwrap();
+    assert_eq!(mesh.positions()[1..3], [Vec3::X, Vec3::new(7.0, 8.0, 9.0)]);
+    let bare = based.replace("{\"bufferView\":0,\"componentType\":5126", "{\"componentType\":5126");
+    let error = read(&glb(&bare, &buffer), "a.glb").unwrap_err().to_string();
+    assert!(error.contains("area"), "all others are at the origin: {error}");
+    let huge = bare.replace("\"count\":4,\"type\":\"VEC3\"", "\"count\":99999999999,\"type\":\"VEC3\"");
+    assert!(matches!(read(&glb(&huge, &buffer), "a.glb"), Err(Error::Limit { .. })));
+}
+
 #[test]
 fn strips_and_fans_are_triangles_and_points_are_said_to_be_left_out() {
     let (json, buffer) = square();

@@ -3,14 +3,15 @@
 
 use crate::error::{Error, Result};
 use gltf_json::Root;
-use gltf_json::accessor::{Accessor, ComponentType, Type};
+use gltf_json::accessor::{Accessor, ComponentType, IndexComponentType, Type};
 use gltf_json::validation::Checked;
 use std::borrow::Cow;
 
 /// The bytes of the file's buffers.
-#[derive(Default)]
 pub(super) struct Buffers<'a> {
     list: Vec<Cow<'a, [u8]>>,
+    /// Most elements of an accessor that states only some of them.
+    most_sparse: usize,
 }
 
 /// The elements of an accessor.
@@ -18,11 +19,15 @@ struct Elements<'a> {
     bytes: &'a [u8],
     stride: usize,
     count: usize,
-    component: ComponentType,
-    components: usize,
+    /// Bytes of one.
+    element: usize,
 }
 
 impl<'a> Buffers<'a> {
+    pub(super) fn new(most_sparse: usize) -> Buffers<'a> {
+        Buffers { list: Vec::new(), most_sparse }
+    }
+
     pub(super) fn push(&mut self, bytes: Cow<'a, [u8]>) {
         self.list.push(bytes);
     }
@@ -31,81 +36,161 @@ impl<'a> Buffers<'a> {
     /// that are not there are 1.
     pub(super) fn vectors(&self, root: &Root, index: usize, least: usize) -> Result<Vec<[f32; 4]>> {
         let accessor = accessor(root, index)?;
-        let elements = self.elements(root, index, accessor)?;
-        if elements.components < least || elements.components > 4 {
-            let found = elements.components;
+        let (component, components) = kind(index, accessor)?;
+        if components < least || components > 4 {
             return Err(Error::input(
                 None,
-                format!("accessor {index}: expected {least} to 4 components, found {found}"),
+                format!("accessor {index}: expected {least} to 4 components, found {components}"),
             ));
         }
-        let size = elements.component.size();
+        let size = component.size();
         let vector = |bytes: &[u8]| {
             let mut vector = [1.0; 4];
-            for (slot, bytes) in vector.iter_mut().zip(bytes.chunks_exact(size).take(elements.components)) {
-                *slot = component(bytes, elements.component, accessor.normalized);
+            for (slot, bytes) in vector.iter_mut().zip(bytes.chunks_exact(size).take(components)) {
+                *slot = number(bytes, component, accessor.normalized);
             }
             vector
         };
-        Ok(elements.iter().map(vector).collect())
+        let mut vectors: Vec<[f32; 4]> = match self.elements(root, index, accessor)? {
+            Some(elements) => elements.iter().map(vector).collect(),
+            None => {
+                let zero = vector(&[0; 16][..size * components]);
+                vec![zero; self.sparse_count(index, accessor)?]
+            }
+        };
+        for (place, bytes) in self.replaced(root, index, accessor)? {
+            if let Some(slot) = vectors.get_mut(place as usize) {
+                *slot = vector(bytes);
+            }
+        }
+        Ok(vectors)
     }
 
     /// Indices of vertices.
     pub(super) fn indices(&self, root: &Root, index: usize) -> Result<Vec<u32>> {
         let accessor = accessor(root, index)?;
-        let elements = self.elements(root, index, accessor)?;
-        let read: fn(&[u8]) -> u32 = match (elements.component, elements.components) {
-            (ComponentType::U8, 1) => |bytes| bytes.first().map_or(0, |&byte| u32::from(byte)),
-            (ComponentType::U16, 1) => |bytes| bytes.first_chunk().map_or(0, |&two| u32::from(u16::from_le_bytes(two))),
-            (ComponentType::U32, 1) => |bytes| bytes.first_chunk().map_or(0, |&four| u32::from_le_bytes(four)),
+        let read: fn(&[u8]) -> u32 = match kind(index, accessor)? {
+            (component, 1) => whole_number(component)
+                .ok_or_else(|| Error::input(None, format!("accessor {index}: expected whole numbers as indices")))?,
             _ => return Err(Error::input(None, format!("accessor {index}: expected whole numbers as indices"))),
         };
-        Ok(elements.iter().map(read).collect())
+        let mut indices: Vec<u32> = match self.elements(root, index, accessor)? {
+            Some(elements) => elements.iter().map(read).collect(),
+            None => vec![0; self.sparse_count(index, accessor)?],
+        };
+        for (place, bytes) in self.replaced(root, index, accessor)? {
+            if let Some(slot) = indices.get_mut(place as usize) {
+                *slot = read(bytes);
+            }
+        }
+        Ok(indices)
     }
 
-    fn elements(&self, root: &Root, index: usize, accessor: &Accessor) -> Result<Elements<'_>> {
-        let wrong = |what: &str| Error::input(None, format!("accessor {index}: {what}"));
-        if accessor.sparse.is_some() {
-            return Err(Error::Unsupported(format!(
-                "accessor {index} of the glTF file is sparse, which is not read; export the mesh without that"
-            )));
-        }
-        let (Checked::Valid(component), Checked::Valid(type_)) = (&accessor.component_type, &accessor.type_) else {
-            return Err(wrong("its component type or type is none of glTF"));
-        };
-        let components = match type_ {
-            Type::Scalar => 1,
-            Type::Vec2 => 2,
-            Type::Vec3 => 3,
-            Type::Vec4 => 4,
-            Type::Mat2 | Type::Mat3 | Type::Mat4 => return Err(wrong("expected numbers or vectors, found matrices")),
-        };
-        let Some(view) = &accessor.buffer_view else { return Err(wrong("it has no buffer view")) };
-        let view = root.buffer_views.get(view.value()).ok_or_else(|| wrong("its buffer view is not there"))?;
+    /// The bytes of a buffer view.
+    pub(super) fn view(&self, root: &Root, index: usize) -> Result<&[u8]> {
+        let wrong = |what: &str| Error::input(None, what);
+        let view = root.buffer_views.get(index).ok_or_else(|| wrong("its buffer view is not there"))?;
         let buffer = self.list.get(view.buffer.value()).ok_or_else(|| wrong("its buffer is not there"))?;
-        let size = |value: u64| usize::try_from(value).ok();
         let part = || -> Option<&[u8]> {
-            let start = size(view.byte_offset.map_or(0, |offset| offset.0))?;
-            let bytes = buffer.get(start..start.checked_add(size(view.byte_length.0)?)?)?;
-            bytes.get(size(accessor.byte_offset.map_or(0, |offset| offset.0))?..)
+            let start = usize::try_from(view.byte_offset.map_or(0, |offset| offset.0)).ok()?;
+            buffer.get(start..start.checked_add(usize::try_from(view.byte_length.0).ok()?)?)
         };
-        let bytes = part().ok_or_else(|| wrong("it reaches beyond its buffer, or the buffer is cut off"))?;
-        let element = component.0.size() * components;
-        let stride = view.byte_stride.map_or(element, |stride| stride.0);
-        let count = size(accessor.count.0).unwrap_or(usize::MAX);
+        part().ok_or_else(|| wrong("it reaches beyond its buffer, or the buffer is cut off"))
+    }
+
+    /// The elements that an accessor states; `None` if it states only some, and all others are 0.
+    fn elements(&self, root: &Root, index: usize, accessor: &Accessor) -> Result<Option<Elements<'_>>> {
+        let Some(view) = &accessor.buffer_view else {
+            return match accessor.sparse {
+                Some(_) => Ok(None),
+                None => Err(Error::input(None, format!("accessor {index}: it has no buffer view"))),
+            };
+        };
+        let kind = kind(index, accessor)?;
+        let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
+        self.table(root, index, (view.value(), offset), accessor.count.0, kind).map(Some)
+    }
+
+    /// So many elements of a kind in a buffer view.
+    fn table(
+        &self,
+        root: &Root,
+        index: usize,
+        (view, offset): (usize, u64),
+        count: u64,
+        (component, components): (ComponentType, usize),
+    ) -> Result<Elements<'_>> {
+        let wrong = |what: &str| Error::input(None, format!("accessor {index}: {what}"));
+        let bytes = self.view(root, view).map_err(|error| wrong(&error.to_string()))?;
+        let size = |value: u64| usize::try_from(value).ok();
+        let beyond = || wrong("it reaches beyond its buffer, or the buffer is cut off");
+        let bytes = size(offset).and_then(|offset| bytes.get(offset..)).ok_or_else(beyond)?;
+        let element = component.size() * components;
+        let stride = root.buffer_views.get(view).and_then(|view| view.byte_stride);
+        let stride = stride.map_or(element, |stride| stride.0);
+        let count = size(count).unwrap_or(usize::MAX);
         // Elements that overlap would make much of few bytes.
         let end = count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(element));
         if stride < element || end.is_none_or(|end| end > bytes.len()) {
             return Err(wrong(&format!("expected {count} elements of {element} bytes, found {} bytes", bytes.len())));
         }
-        Ok(Elements { bytes, stride, count, component: component.0, components })
+        Ok(Elements { bytes, stride, count, element })
+    }
+
+    /// How many elements there are where no bytes stand for them.
+    fn sparse_count(&self, index: usize, accessor: &Accessor) -> Result<usize> {
+        let count = usize::try_from(accessor.count.0).ok().filter(|&count| count <= self.most_sparse);
+        count.ok_or_else(|| {
+            let message = format!("accessor {index}: {} elements of which most are not stated", accessor.count.0);
+            Error::limit(None, message)
+        })
+    }
+
+    /// The places and bytes of the elements that a sparse accessor states.
+    fn replaced(&self, root: &Root, index: usize, accessor: &Accessor) -> Result<Vec<(u32, &[u8])>> {
+        let Some(sparse) = &accessor.sparse else { return Ok(Vec::new()) };
+        let wrong =
+            || Error::input(None, format!("accessor {index}: the places of its sparse elements are no numbers"));
+        let Checked::Valid(IndexComponentType(places)) = sparse.indices.component_type else { return Err(wrong()) };
+        let read = whole_number(places).ok_or_else(wrong)?;
+        let at = (sparse.indices.buffer_view.value(), sparse.indices.byte_offset.0);
+        let places = self.table(root, index, at, sparse.count.0, (places, 1))?;
+        let at = (sparse.values.buffer_view.value(), sparse.values.byte_offset.0);
+        let values = self.table(root, index, at, sparse.count.0, kind(index, accessor)?)?;
+        Ok(places.iter().map(read).zip(values.iter()).collect())
     }
 }
 
-impl Elements<'_> {
-    fn iter(&self) -> impl Iterator<Item = &[u8]> {
-        let element = self.component.size() * self.components;
-        (0..self.count).map(move |index| &self.bytes[index * self.stride..index * self.stride + element])
+/// The type of an accessor's numbers, and how many make an element.
+fn kind(index: usize, accessor: &Accessor) -> Result<(ComponentType, usize)> {
+    let wrong = |what: &str| Error::input(None, format!("accessor {index}: {what}"));
+    let (Checked::Valid(component), Checked::Valid(type_)) = (&accessor.component_type, &accessor.type_) else {
+        return Err(wrong("its component type or type is none of glTF"));
+    };
+    let components = match type_ {
+        Type::Scalar => 1,
+        Type::Vec2 => 2,
+        Type::Vec3 => 3,
+        Type::Vec4 => 4,
+        Type::Mat2 | Type::Mat3 | Type::Mat4 => return Err(wrong("expected numbers or vectors, found matrices")),
+    };
+    Ok((component.0, components))
+}
+
+/// How whole numbers of a type are read.
+fn whole_number(component: ComponentType) -> Option<fn(&[u8]) -> u32> {
+    match component {
+        ComponentType::U8 => Some(|bytes| bytes.first().map_or(0, |&byte| u32::from(byte))),
+        ComponentType::U16 => Some(|bytes| bytes.first_chunk().map_or(0, |&two| u32::from(u16::from_le_bytes(two)))),
+        ComponentType::U32 => Some(|bytes| bytes.first_chunk().map_or(0, |&four| u32::from_le_bytes(four))),
+        _ => None,
+    }
+}
+
+impl<'a> Elements<'a> {
+    fn iter(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
+        let (bytes, stride, element) = (self.bytes, self.stride, self.element);
+        (0..self.count).map(move |index| &bytes[index * stride..index * stride + element])
     }
 }
 
@@ -114,7 +199,7 @@ fn accessor(root: &Root, index: usize) -> Result<&Accessor> {
 }
 
 /// One number (glTF 2.0, section 3.11 for normalised integers).
-fn component(bytes: &[u8], kind: ComponentType, normalized: bool) -> f32 {
+fn number(bytes: &[u8], kind: ComponentType, normalized: bool) -> f32 {
     let (value, most) = match (kind, bytes) {
         (ComponentType::I8, &[byte]) => (f32::from(byte as i8), 127.0),
         (ComponentType::U8, &[byte]) => (f32::from(byte), 255.0),
