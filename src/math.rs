@@ -109,6 +109,13 @@ pub fn rotation_to_y(axis: Vec3) -> Mat3 {
     Mat3::from_cols(x, axis, -w).transpose()
 }
 
+/// A whole number of 0 to 2²³ − 1, rounded: its bits after 2²³ was added. A cast would check for more.
+#[inline(always)]
+#[must_use]
+pub fn whole(x: f32) -> u32 {
+    (x + 8_388_608.0).to_bits() & 0x7f_ffff
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -152,5 +159,10 @@ mod tests {
         assert_eq!((Aabb::EMPTY.center(), Aabb::EMPTY.size()), (Vec3::ZERO, Vec3::ZERO));
         let unit = Aabb::of_sphere(Vec3::ZERO, 1.0);
         assert_eq!(Aabb::EMPTY.union(unit), unit);
+    }
+
+    #[test]
+    fn whole_numbers_are_rounded() {
+        assert_eq!([0.0, 0.4, 0.6, 65_535.2, 8_388_607.0].map(whole), [0, 0, 1, 65_535, 8_388_607]);
     }
 }

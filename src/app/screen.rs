@@ -102,6 +102,8 @@ struct CpuScreen {
     worker: Worker,
     /// The version last posted, and whether its fine picture was.
     posted: (u64, bool),
+    /// Whether a picture in motion was posted, and has not come.
+    is_moving: bool,
     /// The version whose coarse picture is on the screen.
     coarse: u64,
     /// The picture on the screen.
@@ -130,6 +132,15 @@ impl Screen {
             Ok(None) | Err(_) => (cpu_kind(&window, &wake)?, None),
         };
         Ok((Screen { kind, window, wake, notice: None }, notice))
+    }
+
+    /// Whether a picture in motion is on its way: what has changed meanwhile can be seen only after it.
+    pub(super) fn is_moving(&self) -> bool {
+        match &self.kind {
+            #[cfg(feature = "gpu")]
+            Kind::Gpu(_) => false,
+            Kind::Cpu(cpu) => cpu.is_moving,
+        }
     }
 
     /// What happened to the screen, once.
@@ -235,6 +246,7 @@ impl CpuScreen {
             surface,
             worker,
             posted: (0, false),
+            is_moving: false,
             coarse: 0,
             shown: None,
             size_px: [0; 2],
@@ -262,6 +274,7 @@ impl CpuScreen {
             }
             if !frame.fine {
                 self.coarse = frame.version;
+                self.is_moving = false;
             }
             has_new = true;
             self.shown = Some(frame);
@@ -283,7 +296,7 @@ impl CpuScreen {
             // The light on the ground costs as its texels.
             let motion = Settings { ground_texels: IN_MOTION.ground_texels / self.coarseness, ..IN_MOTION };
             self.worker.post(job(motion, false, View::new(view.camera, coarse.0, coarse.1)));
-            self.posted = (state.version, false);
+            (self.posted, self.is_moving) = ((state.version, false), true);
         } else if !self.posted.1
             && self.coarse == state.version
             && state.until_rest(Instant::now()).is_some_and(|rest| rest.is_zero())

@@ -116,6 +116,10 @@ pub(super) fn run(files: Vec<PathBuf>, options: Options) -> Result<Vec<String>> 
     app.failure.map_or(Ok(failures), Err)
 }
 
+/// Steps of the mouse wait no longer than this for the picture that is being drawn (chosen: as long as one in motion may take before the next is
+/// made coarser).
+const LATEST: Duration = Duration::from_millis(60);
+
 /// What there is once the window is open.
 struct Open {
     window: Arc<Window>,
@@ -316,6 +320,13 @@ impl ApplicationHandler<Wake> for App {
             open.interface.forget();
         }
         if open.egui.on_window_event(&open.window, &event).repaint {
+            if matches!(event, WindowEvent::CursorMoved { .. }) && open.screen.is_moving() {
+                // A mouse tells of every step. They are taken together when the picture comes that is being drawn.
+                let latest = Instant::now() + LATEST;
+                self.next_frame = Some(self.next_frame.map_or(latest, |at| at.min(latest)));
+                self.stale = true;
+                return;
+            }
             self.refresh();
         }
     }

@@ -134,16 +134,13 @@ const MODE: u32 = 0o666;
 /// An error without tempfile's own words about its temporary name: the caller names the target.
 fn plain(error: io::Error, folder: &Path) -> io::Error {
     let kind = error.kind();
-    let inner = error.get_ref().and_then(std::error::Error::source).and_then(|source| source.downcast_ref());
-    let code = error.raw_os_error().or_else(|| inner.and_then(io::Error::raw_os_error));
-    match code.map(io::Error::from_raw_os_error) {
-        Some(error) if kind == io::ErrorKind::PermissionDenied || kind == io::ErrorKind::ReadOnlyFilesystem => {
-            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-            io::Error::new(kind, format!("{error}; nothing may be written in the folder {}", folder.display()))
-        }
-        Some(error) => error,
-        None => error,
+    let text = error.to_string();
+    let own = text.split(" at path ").next().unwrap_or_default();
+    if kind == io::ErrorKind::PermissionDenied || kind == io::ErrorKind::ReadOnlyFilesystem {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        return io::Error::new(kind, format!("{own}; nothing may be written in the folder {}", folder.display()));
     }
+    if own.len() == text.len() { error } else { io::Error::new(kind, own) }
 }
 
 /// A file that is written by this program, with or without a name.

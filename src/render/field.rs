@@ -12,7 +12,7 @@ use super::distance::{least_on_way, nearest_on_way};
 use super::frame::{FrameConstants, ground_light};
 use super::hierarchy::Hierarchy;
 use super::solids::{Primitive, Solids};
-use crate::math::Aabb;
+use crate::math::{Aabb, whole};
 use crate::scene::Scene;
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
@@ -300,19 +300,24 @@ impl GroundMap {
             let (x0, z0) = (x.floor(), z.floor());
             part[0][i] = x - x0;
             part[1][i] = z - z0;
-            at[i] = z0 as i32 as u32 * width + x0 as i32 as u32;
+            at[i] = whole(z0) * width + whole(x0);
         }
         if inside.iter().all(|&inside| !inside) {
             return light;
         }
-        let last = self.texels.len() - 1;
+        let (last, stride) = (self.texels.len() - 1, width as usize);
+        let around = |at: usize| [at, at + 1, at + stride, at + stride + 1].map(|at| self.texels[at.min(last)]);
         let mut corners = [[[1.0f32; N]; 2]; 4];
-        for i in 0..N {
-            let at = at[i] as usize;
-            for (corner, at) in [at, at + 1, at + width as usize, at + width as usize + 1].into_iter().enumerate() {
-                let texel = self.texels[at.min(last)];
-                corners[corner][0][i] = texel[0];
-                corners[corner][1][i] = texel[1];
+        if at.iter().all(|other| *other == at[0]) {
+            // Neighbouring pixels mostly lie between the same texels.
+            for (corners, texel) in corners.iter_mut().zip(around(at[0] as usize)) {
+                (corners[0], corners[1]) = ([texel[0]; N], [texel[1]; N]);
+            }
+        } else {
+            for i in 0..N {
+                for (corners, texel) in corners.iter_mut().zip(around(at[i] as usize)) {
+                    (corners[0][i], corners[1][i]) = (texel[0], texel[1]);
+                }
             }
         }
         for i in 0..N {

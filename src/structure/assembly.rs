@@ -39,14 +39,21 @@ impl Assembly {
         Assembly { id: id.to_owned(), description: description.to_owned(), ..Assembly::default() }
     }
 
-    /// Adds atoms and what is applied to them; no atoms, or no operations, are no part.
+    /// Adds runs of atoms, of which neighbours become one, and what is applied to them; no atoms, or no operations, are no part.
     pub fn push(&mut self, atoms: Vec<Range<u32>>, operations: &[DAffine3]) {
         if atoms.is_empty() || operations.is_empty() {
             return;
         }
         let key = |operation: &DAffine3| operation.to_cols_array().map(f64::to_bits);
         let mut known: HashMap<[u64; 12], u32> = self.operations.iter().map(key).zip(0..).collect();
-        let mut part = AssemblyPart { atoms, operations: Vec::with_capacity(operations.len()) };
+        let mut runs: Vec<Range<u32>> = Vec::with_capacity(atoms.len());
+        for run in atoms {
+            match runs.last_mut() {
+                Some(last) if last.end == run.start => last.end = run.end,
+                _ => runs.push(run),
+            }
+        }
+        let mut part = AssemblyPart { atoms: runs, operations: Vec::with_capacity(operations.len()) };
         for operation in operations {
             let next = u32::try_from(self.operations.len()).unwrap_or(u32::MAX);
             let index = *known.entry(key(operation)).or_insert(next);

@@ -103,12 +103,20 @@ pub(super) struct Backdrop<'a> {
     grid: &'a PixelGrid,
     /// The background's colour.
     plain: Srgb8,
+    /// The last colour of a whole group, and how it is shown.
+    last: ([u32; 3], Srgb8),
 }
 
 impl<'a> Backdrop<'a> {
     #[inline(always)]
     pub(super) fn new(shader: &'a Shader<'a>, grid: &'a PixelGrid) -> Backdrop<'a> {
-        Backdrop { shader, grid, plain: resolve(shade_background(shader.frame), 1) }
+        let background = shade_background(shader.frame);
+        let plain = resolve(background, 1);
+        let last = (
+            background.truncate().to_array().map(f32::to_bits),
+            Srgb8::from_linear(background.truncate().to_array(), 1.0),
+        );
+        Backdrop { shader, grid, plain, last }
     }
 
     /// Whether it is one colour everywhere.
@@ -123,12 +131,36 @@ impl<'a> Backdrop<'a> {
         self.plain
     }
 
+    /// Pixels in which nothing is seen; `u`, `v` are the plane coordinates of their centres.
+    #[inline(always)]
+    pub(super) fn alone(&mut self, [u, v]: [&Lanes; 2]) -> [Srgb8; LANES] {
+        if self.shader.frame.ambient[3] > 0.5 {
+            return self.under(&[[0.0; LANES]; 3], &[0; LANES], [u, v]);
+        }
+        let color = opaque(self.shader, self.grid, u, v);
+        let mut differ = 0u32;
+        for part in &color {
+            for &light in part {
+                differ |= light.to_bits() ^ part[0].to_bits();
+            }
+        }
+        if differ == 0 {
+            let first = color.map(|part| part[0]);
+            let key = first.map(f32::to_bits);
+            if key != self.last.0 {
+                self.last = (key, Srgb8::from_linear(first, 1.0));
+            }
+            return [self.last.1; LANES];
+        }
+        bytes(&color)
+    }
+
     /// Pixels of one sample: the linear light of what is seen, what is behind it where nothing is. `u`, `v` are the plane
     /// coordinates of their centres.
     #[inline(always)]
     pub(super) fn under(&self, light: &[Lanes; 3], seen: &Mask, [u, v]: [&Lanes; 2]) -> [Srgb8; LANES] {
-        let mut pixels = [self.plain; LANES];
         if self.shader.frame.ambient[3] > 0.5 {
+            let mut pixels = [self.plain; LANES];
             // See-through ground: alpha takes a power, which is no vector code.
             for (lane, pixel) in pixels.iter_mut().enumerate() {
                 let behind = || self.shader.backdrop(&self.grid.ray((u[lane], v[lane])));
@@ -146,12 +178,19 @@ impl<'a> Backdrop<'a> {
                 }
             }
         }
-        let rgb = [bytes_from_linear(&color[0]), bytes_from_linear(&color[1]), bytes_from_linear(&color[2])];
-        for (lane, pixel) in pixels.iter_mut().enumerate() {
-            *pixel = Srgb8::rgb(rgb[0][lane], rgb[1][lane], rgb[2][lane]);
-        }
-        pixels
+        bytes(&color)
     }
+}
+
+/// Linear colours as they are shown.
+#[inline(always)]
+fn bytes(color: &[Lanes; 3]) -> [Srgb8; LANES] {
+    let rgb = [bytes_from_linear(&color[0]), bytes_from_linear(&color[1]), bytes_from_linear(&color[2])];
+    let mut pixels = [Srgb8::BLACK; LANES];
+    for (lane, pixel) in pixels.iter_mut().enumerate() {
+        *pixel = Srgb8::rgb(rgb[0][lane], rgb[1][lane], rgb[2][lane]);
+    }
+    pixels
 }
 
 /// Linear colour of ground or background at plane coordinates.

@@ -81,12 +81,6 @@ impl Pass {
     }
 }
 
-/// A whole number of 0 to 2²³ − 1, rounded: its bits after 2²³ was added. A cast would check for more.
-#[inline(always)]
-pub(super) fn whole(x: f32) -> u32 {
-    (x + 8_388_608.0).to_bits() & 0x7f_ffff
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -107,10 +101,5 @@ mod tests {
             }
             assert_eq!(seen, (0..samples).collect::<Vec<_>>());
         }
-    }
-
-    #[test]
-    fn whole_numbers_are_rounded() {
-        assert_eq!([0.0, 0.4, 0.6, 65_535.2, 8_388_607.0].map(whole), [0, 0, 1, 65_535, 8_388_607]);
     }
 }

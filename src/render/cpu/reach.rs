@@ -4,8 +4,8 @@
 use super::behind::{Mask, behind};
 use super::casters::{self, Axes, Body, Starts};
 use super::clusters::{self, Clusters, Order};
-use super::lanes::{LANES, Lanes, whole};
-use crate::math::{max, min};
+use super::lanes::{LANES, Lanes};
+use crate::math::{max, min, whole};
 use crate::render::frame::FrameConstants;
 use crate::render::settings::{Settings, View};
 use crate::render::sky::{Reach, Turns, across};

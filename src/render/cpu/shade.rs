@@ -82,33 +82,40 @@ pub(super) fn add(
     }
 }
 
-/// Finishes the pixels of a tile that have but one sample, and ask nothing: `rows` are those of the picture, cut to the tile.
+/// Finishes the pixels of a tile that have but one sample, and ask nothing: `rows` are those of the picture, cut to the tile. Of an
+/// empty one (`is_empty`) `tile` says nothing.
 #[inline(always)]
 pub(super) fn finish(
     (shader, source): (&Shader<'_>, &dyn Facts),
     place: &Place<'_>,
-    tile: &Tile,
+    (tile, is_empty): (&Tile, bool),
     rows: &mut [&mut [Srgb8]],
 ) {
-    let (backdrop, mut memo) = (Backdrop::new(shader, &place.grid), Memo::new(source));
-    for line in &mut *rows {
-        line.fill(backdrop.plain());
+    let (mut backdrop, mut memo) = (Backdrop::new(shader, &place.grid), Memo::new(source));
+    if backdrop.is_plain() {
+        rows.iter_mut().for_each(|line| line.fill(backdrop.plain()));
     }
     for (row, lines) in rows.chunks_mut(GROUP).enumerate() {
         let width = lines.first().map_or(0, |line| line.len());
         for (column, start) in (0..width).step_by(GROUP).enumerate() {
-            if !tile.touched[row][column] && backdrop.is_plain() {
+            let is_touched = !is_empty && tile.touched[row][column];
+            if !is_touched && backdrop.is_plain() {
                 continue;
             }
-            let samples = gather(shader, place, tile, 0, [row, column]);
-            let ([u, v], seen) = ([samples.u, samples.v], samples.seen);
-            let mut lit = [[0.0; LANES]; 3];
-            if any(&seen) {
-                let (surfaces, mut points) = surfaces((shader, &mut memo), place, samples);
-                points.asks = [0.0; LANES];
-                lit = light(shader, place.grid.orthographic, &surfaces, &points);
-            }
-            let pixels = backdrop.under(&lit, &seen, [&u, &v]);
+            let pixels = if is_touched {
+                let samples = gather(shader, place, tile, 0, [row, column]);
+                let ([u, v], seen) = ([samples.u, samples.v], samples.seen);
+                let mut lit = [[0.0; LANES]; 3];
+                if any(&seen) {
+                    let (surfaces, mut points) = surfaces((shader, &mut memo), place, samples);
+                    points.asks = [0.0; LANES];
+                    lit = light(shader, place.grid.orthographic, &surfaces, &points);
+                }
+                backdrop.under(&lit, &seen, [&u, &v])
+            } else {
+                let [u, v] = centers(place, 0, [row, column]);
+                backdrop.alone([&u, &v])
+            };
             let count = GROUP.min(width - start);
             for (line, pixels) in lines.iter_mut().zip(pixels.chunks_exact(GROUP)) {
                 if let Some(line) = line.get_mut(start..).and_then(|line| line.first_chunk_mut::<GROUP>()) {
@@ -131,6 +138,22 @@ fn any(mask: &Mask) -> bool {
     any != 0
 }
 
+/// Plane coordinates of one sample of each pixel of a group.
+#[inline(always)]
+fn centers(place: &Place<'_>, sample: usize, [row, column]: [usize; 2]) -> [Lanes; 2] {
+    // The first pixel's sample is as far from its corner as every other's.
+    let (dx, dy) = (place.pass.x[sample], place.pass.y[sample]);
+    let (left, top) = (place.corner[0] + (column * GROUP) as u32, place.corner[1] + (row * GROUP) as u32);
+    let PixelGrid { center_px, plane_per_px, .. } = place.grid;
+    let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
+    for lane in 0..LANES {
+        let (x, y) = ((left + (lane % GROUP) as u32) as f32 + dx, (top + (lane / GROUP) as u32) as f32 + dy);
+        u[lane] = (x - center_px[0]) * plane_per_px;
+        v[lane] = (center_px[1] - y) * plane_per_px;
+    }
+    [u, v]
+}
+
 /// One sample of each pixel of a group.
 #[inline(always)]
 fn gather(shader: &Shader<'_>, place: &Place<'_>, tile: &Tile, sample: usize, [row, column]: [usize; 2]) -> Samples {
@@ -144,15 +167,7 @@ fn gather(shader: &Shader<'_>, place: &Place<'_>, tile: &Tile, sample: usize, [r
         samples.t[lane] = t[at];
         samples.index[lane] = index[at];
     }
-    // The first pixel's sample is as far from its corner as every other's.
-    let (dx, dy) = (place.pass.x[sample], place.pass.y[sample]);
-    let (left, top) = (place.corner[0] + (column * GROUP) as u32, place.corner[1] + (row * GROUP) as u32);
-    let PixelGrid { center_px, plane_per_px, .. } = place.grid;
-    for lane in 0..LANES {
-        let (x, y) = ((left + (lane % GROUP) as u32) as f32 + dx, (top + (lane / GROUP) as u32) as f32 + dy);
-        samples.u[lane] = (x - center_px[0]) * plane_per_px;
-        samples.v[lane] = (center_px[1] - y) * plane_per_px;
-    }
+    [samples.u, samples.v] = centers(place, sample, [row, column]);
     let beyond = shader.ground_beyond(place.grid.orthographic, &samples.u, &samples.v);
     for (lane, ground) in beyond.into_iter().enumerate() {
         let t = samples.t[lane];

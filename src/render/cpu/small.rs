@@ -7,10 +7,10 @@
 use super::behind::Mask;
 use super::binning::{Candidate, Framing};
 use super::intersect::FLAT_CAPS;
-use super::lanes::{LANES, Lanes, whole};
+use super::lanes::{LANES, Lanes};
 use super::packs::Placed;
 use super::tile::{Beyond, DepthAt, Drawn, Flat, Place, SIDE, Tile};
-use crate::math::{max, min};
+use crate::math::{max, min, whole};
 use crate::render::bounds::PlaneRect;
 use crate::render::solids::{Cylinder, Sphere};
 use crate::scene::CylinderInstance;

@@ -103,8 +103,8 @@ struct Shade<'w, 'r> {
 enum Then<'w, 'r> {
     /// Its light is added to sums with rows of so many pixels.
     Add(&'w Questions<'w>, &'w mut [f32], usize),
-    /// It is the only sample, asks nothing, and makes the pixels.
-    Finish(&'w mut [&'r mut [Srgb8]]),
+    /// It is the only sample, asks nothing, and makes the pixels; whether nothing is seen.
+    Finish(&'w mut [&'r mut [Srgb8]], bool),
 }
 
 impl Work for Shade<'_, '_> {
@@ -113,7 +113,7 @@ impl Work for Shade<'_, '_> {
         let Shade { shader, source, tile, place, then } = self;
         match then {
             Then::Add(questions, sums, width) => shade::add((shader, source), questions, place, tile, (sums, width)),
-            Then::Finish(rows) => shade::finish((shader, source), place, tile, rows),
+            Then::Finish(rows, is_empty) => shade::finish((shader, source), place, (tile, is_empty), rows),
         }
     }
 }
@@ -130,7 +130,9 @@ impl<S: Source> Picture<'_, S> {
 
     /// Finds what is seen in a tile, and makes something of it.
     fn draw(&self, bench: &mut Bench, tile: usize, place: &Place<'_>, then: Then<'_, '_>) {
-        widest(See { source: &self.source, bench, tile, place });
+        if !matches!(then, Then::Finish(_, true)) {
+            widest(See { source: &self.source, bench, tile, place });
+        }
         widest(Shade { shader: &self.shader, source: &self.source, tile: &bench.tile, place, then });
     }
 
@@ -206,7 +208,7 @@ impl<S: Source> Picture<'_, S> {
         tiles.par_iter_mut().enumerate().with_max_len(2).for_each_init(Bench::new, |bench, (tile, rows)| {
             if !stop.load(Ordering::Relaxed) {
                 let place = self.place(tile, &pass);
-                self.draw(bench, tile, &place, Then::Finish(rows));
+                self.draw(bench, tile, &place, Then::Finish(rows, self.source.is_empty(tile)));
             }
         });
         Image { width, height, rgba }
