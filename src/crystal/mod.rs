@@ -282,7 +282,7 @@ fn place(structure: Structure, original: Option<Vec<u32>>, listed: usize, option
         Ok(plan)
     };
     let mut drawn = match several {
-        true => match plan_of([1; 3])?.as_instances(supercell, &neighbours)? {
+        true => match plan_of([1; 3])?.into_instances(supercell, &neighbours)? {
             Some((unit, copies)) => {
                 let unit = unit.build(&structure, &neighbours, &fractional);
                 Drawn { copies: Some(copies), cell: supercell_of(&cell, supercell), ..unit }
@@ -348,7 +348,7 @@ impl Plan {
     }
 
     /// This cell, and where it stands in a supercell, if that is so large that it should not be copied and no bond leaves it.
-    fn as_instances(self, supercell: [u32; 3], neighbours: &Neighbours) -> Result<Option<(Plan, Copies)>> {
+    fn into_instances(self, supercell: [u32; 3], neighbours: &Neighbours) -> Result<Option<(Plan, Copies)>> {
         let cells = supercell.iter().fold(1usize, |all, &count| all.saturating_mul(count as usize));
         if self.atoms.len().saturating_mul(cells) < INSTANCES_FROM {
             return Ok(None);

@@ -157,7 +157,7 @@ mod tests {
     fn assemblies_read_back_equal() {
         let structure = structure();
         let mut text = Vec::new();
-        super::super::write(&[structure.clone()], &mut text).unwrap();
+        super::super::write(std::slice::from_ref(&structure), &mut text).unwrap();
         let document = crate::import::read_bytes(&text, "a.cif", &Default::default()).unwrap();
         assert!(document.diagnostics.is_empty(), "{:?}", document.diagnostics);
         assert_eq!(document.records[0].assemblies(), structure.assemblies(), "{}", String::from_utf8_lossy(&text));
@@ -169,7 +169,7 @@ mod tests {
         let mut structure = structure();
         structure.assemblies[0].parts[0].atoms = vec![0..1];
         let mut text = Vec::new();
-        super::super::write(&[structure.clone()], &mut text).unwrap();
+        super::super::write(std::slice::from_ref(&structure), &mut text).unwrap();
         let document = crate::import::read_bytes(&text, "a.cif", &Default::default()).unwrap();
         let ids: Vec<&str> = document.records[0].assemblies().iter().map(|one| one.id.as_str()).collect();
         assert_eq!(ids, ["a b"]);

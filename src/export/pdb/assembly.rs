@@ -132,7 +132,7 @@ mod tests {
     fn the_remark_reads_back_equal() {
         let structure = structure();
         let mut text = Vec::new();
-        super::super::write(&[structure.clone()], &mut text).unwrap();
+        super::super::write(std::slice::from_ref(&structure), &mut text).unwrap();
         let document = crate::import::read_bytes(&text, "a.pdb", &Default::default()).unwrap();
         assert!(document.diagnostics.is_empty(), "{:?}", document.diagnostics);
         assert_eq!(document.records[0].assemblies(), structure.assemblies(), "{}", String::from_utf8_lossy(&text));

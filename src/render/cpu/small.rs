@@ -167,8 +167,8 @@ impl Few {
     fn draw(&self, tile: &mut Tile, index: u32, thing: &impl Small) {
         let Some(solid) = thing.solid() else { return };
         let mut depth = [0.0f32; LANES];
-        for lane in 0..LANES {
-            depth[lane] = solid.t(self.u[lane], self.v[lane]);
+        for (lane, depth) in depth.iter_mut().enumerate() {
+            *depth = solid.t(self.u[lane], self.v[lane]);
         }
         for (&at, &t) in self.at.iter().zip(&depth).take(self.count) {
             tile.see_at(at, t, index);
@@ -293,8 +293,10 @@ pub(super) fn draw_sticks<const PARALLEL: bool>(
         let (mut ends, mut radius) = ([[[0.0; LANES]; 3]; 2], [0.0; LANES]);
         for (lane, &i) in members.iter().enumerate() {
             let stick = &placed.block.cylinders[i as usize];
-            for axis in 0..3 {
-                (ends[0][axis][lane], ends[1][axis][lane]) = (stick.a[axis], stick.b[axis]);
+            for (end, from) in ends.iter_mut().zip([stick.a, stick.b]) {
+                for (lanes, x) in end.iter_mut().zip(from) {
+                    lanes[lane] = x;
+                }
             }
             radius[lane] = stick.radius;
         }
