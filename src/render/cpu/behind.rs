@@ -4,11 +4,12 @@
 //! is found once for all lanes; cones and open sticks ask the same functions as a single ray does. A ray starts at its point: what
 //! lies behind that hides nothing.
 
-use super::intersect::{cone_t, cylinder_t, primitive_t};
+use super::intersect::{cone_t, cylinder_t, torus_ts};
 use super::lanes::{LANES, Lanes};
 use super::reach::Points;
+use super::simd::{Work, widest};
 use crate::math::{max, min};
-use crate::render::solids::{Cone, Cylinder, Primitive, Solids, Triangle};
+use crate::render::solids::{Cone, Cylinder, Primitive, Solids, Torus, Triangle};
 use crate::scene::Ray;
 use glam::Vec3;
 
@@ -38,7 +39,7 @@ pub(super) fn behind(solids: &Solids, index: u32, d: Vec3, points: &Points, free
         }
         Primitive::Cone(c) => behind_cone(&solids.cones[c], index, d, &points.position, &points.own, free),
         Primitive::Triangle(t) => behind_triangle(&solids.triangles[t], d, &points.position, free),
-        Primitive::Torus(_) => behind_torus(solids, index, d, points, free),
+        Primitive::Torus(t) => behind_torus(&solids.tori[t], d, &points.position, free),
     }
 }
 
@@ -61,19 +62,32 @@ fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Points, fre
     left
 }
 
-/// Clears the lanes that a torus hides the light from, one by one, for it is searched for; bits of those that are left. It may hide
-/// itself.
+/// Clears the lanes that a torus hides the light from; bits of those that are left. It may hide itself. On its own, for it is long and
+/// seldom asked.
 #[inline(never)]
-fn behind_torus(solids: &Solids, index: u32, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
-    let mut left = 0;
-    for lane in 0..LANES {
-        if free[lane] != 0 {
-            let ray = Ray { origin: Vec3::from(points.position.map(|axis| axis[lane])), direction: d };
-            free[lane] = if primitive_t(&ray, solids, index as usize, 0.0).is_finite() { 0 } else { free[lane] };
+fn behind_torus(torus: &Torus, d: Vec3, position: &[Lanes; 3], free: &mut Mask) -> u32 {
+    widest(BehindTorus { torus, d, position, free });
+    free.iter().fold(0, |left, free| left | free)
+}
+
+/// See [`behind_torus`].
+struct BehindTorus<'a> {
+    torus: &'a Torus,
+    d: Vec3,
+    position: &'a [Lanes; 3],
+    free: &'a mut Mask,
+}
+
+impl Work for BehindTorus<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let [px, py, pz] = self.position;
+        let ray = |lane: usize| Ray { origin: Vec3::new(px[lane], py[lane], pz[lane]), direction: self.d };
+        let ts = torus_ts::<LANES>(ray, self.torus, 0.0);
+        for (free, t) in self.free.iter_mut().zip(ts) {
+            *free = if t < f32::INFINITY { 0 } else { *free };
         }
-        left |= free[lane];
     }
-    left
 }
 
 /// Clears the lanes that a cylinder hides the light from (its ends taken as flat and closed); bits of those that are left.
