@@ -135,7 +135,11 @@ pub(super) fn torus_hit(q: Vec3, e: Vec3, torus: &Torus, t0: f32, near: f32) -> 
 
 /// As [`torus_t`], of several rays at once.
 #[inline(always)]
-pub(in crate::render::cpu) fn torus_ts<const N: usize>(ray: impl Fn(usize) -> Ray, torus: &Torus, near: f32) -> [f32; N] {
+pub(in crate::render::cpu) fn torus_ts<const N: usize>(
+    ray: impl Fn(usize) -> Ray,
+    torus: &Torus,
+    near: f32,
+) -> [f32; N] {
     let rays = LocalRays::new(torus, ray);
     let [mut t, _] = rays.hits(torus, near);
     for t in &mut t {
