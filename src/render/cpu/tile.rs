@@ -335,27 +335,30 @@ impl Tile {
         }
     }
 
-    /// Draws a cone, torus or triangle of `solids`, all opaque and without lines; they count from `first` on.
+    /// Draws an opaque ring.
+    #[inline(always)]
+    pub(super) fn draw_torus<const PARALLEL: bool>(&mut self, place: &Place<'_>, candidate: &Candidate, solid: &Torus) {
+        let drawn = Drawn::<_, PARALLEL> { solid: *solid, near: place.near };
+        self.draw(place, candidate, &[true; LANES], &drawn);
+    }
+
+    /// Draws a cone or triangle, `number` of `solids`, all opaque and without lines.
     #[inline(always)]
     pub(super) fn draw_other<const PARALLEL: bool>(
         &mut self,
         place: &Place<'_>,
-        solids: &Solids,
-        first: u32,
+        (solids, number): (&Solids, u32),
         candidate: &Candidate,
     ) {
         let (near, mask) = (place.near, [true; LANES]);
-        match solids.primitive((candidate.index - first) as usize) {
+        match solids.primitive(number as usize) {
             Primitive::Cone(i) => {
                 self.draw(place, candidate, &mask, &Drawn::<_, PARALLEL> { solid: solids.cones[i], near });
-            }
-            Primitive::Torus(i) => {
-                self.draw(place, candidate, &mask, &Drawn::<_, PARALLEL> { solid: solids.tori[i], near });
             }
             Primitive::Triangle(i) => {
                 self.draw(place, candidate, &mask, &Drawn::<_, PARALLEL> { solid: solids.triangles[i], near });
             }
-            Primitive::Sphere(_) | Primitive::Cylinder(_) => {}
+            Primitive::Sphere(_) | Primitive::Cylinder(_) | Primitive::Torus(_) => {}
         }
     }
 
