@@ -184,7 +184,7 @@ fn clear(d: Vec3, position: &[Lanes; 3], free: &mut Mask, hides: impl Fn(&Ray, u
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::cpu::intersect::triangle_t;
+    use crate::render::cpu::intersect::{primitive_t, triangle_t};
     use crate::render::test_shapes::{Random, cylinder};
     use crate::render::test_solids::{Body, Drawn, random_drawn, triangle};
     use glam::DVec3;
@@ -220,7 +220,10 @@ mod tests {
                 solids.cones.push(*cone);
                 behind_cone(cone, 0, d, &position, &[9; LANES], &mut free)
             }
-            Drawn::Torus(_) => unreachable!("tori have no lanes"),
+            Drawn::Torus(torus) => {
+                solids.tori.push(*torus);
+                behind_torus(torus, d, &position, &mut free)
+            }
         };
         assert_eq!(left, free.iter().fold(0, |all, bits| all | bits));
         let (mut hidden, mut other) = (0, 0);
@@ -260,6 +263,11 @@ mod tests {
     #[test]
     fn triangles_hide_what_a_ray_says_they_do() {
         many(2);
+    }
+
+    #[test]
+    fn rings_hide_what_a_ray_says_they_do() {
+        many(1);
     }
 
     #[test]
