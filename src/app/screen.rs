@@ -8,6 +8,7 @@
 use super::build::Waker;
 use super::paint::{Canvas, Painter, PxRect, pixel_of};
 use super::state::State;
+use super::timings::{Stage, Timings};
 use super::worker::{Frame, Job, Worker};
 use crate::error::{Error, Result};
 use crate::render::{Choice, Settings, View};
@@ -149,12 +150,12 @@ impl Screen {
     }
 
     /// Brings the window up to date; whether it should be called again at once.
-    pub(super) fn draw(&mut self, state: &State, interface: &mut Interface) -> Result<bool> {
+    pub(super) fn draw(&mut self, state: &State, interface: &mut Interface, timings: &mut Timings) -> Result<bool> {
         let size = self.window.inner_size();
         let size = [size.width, size.height];
         match &mut self.kind {
             #[cfg(feature = "gpu")]
-            Kind::Gpu(gpu) => match gpu.draw(state, interface, size) {
+            Kind::Gpu(gpu) => match gpu.draw(state, interface, size, timings) {
                 Ok(more) => Ok(more),
                 Err(error) => {
                     self.notice = Some(format!("{error}; the CPU renderer takes over"));
@@ -163,7 +164,7 @@ impl Screen {
                     Ok(true)
                 }
             },
-            Kind::Cpu(cpu) => cpu.draw(state, interface, size).map(|()| false),
+            Kind::Cpu(cpu) => cpu.draw(state, interface, size, timings).map(|()| false),
         }
     }
 }
@@ -197,9 +198,16 @@ fn gpu_screen(_window: &Arc<Window>, choice: Choice) -> Result<Option<Kind>> {
 
 #[cfg(feature = "gpu")]
 impl GpuScreen {
-    fn draw(&mut self, state: &State, interface: &mut Interface, size_px: [u32; 2]) -> Result<bool> {
+    fn draw(
+        &mut self,
+        state: &State,
+        interface: &mut Interface,
+        size_px: [u32; 2],
+        timings: &mut Timings,
+    ) -> Result<bool> {
         use crate::render::Renderer as _;
         use crate::render::gpu::UserInterface;
+        let began = Instant::now();
         let size_px = size_px.map(|side| side.max(1));
         if size_px != self.size_px {
             self.renderer.resize(&mut self.surface, size_px);
@@ -228,6 +236,8 @@ impl GpuScreen {
         self.renderer.load(Arc::clone(&state.built.scene))?;
         self.renderer.present(&mut self.surface, &state.view(), settings, done, add, over)?;
         self.done.1 += add;
+        timings.spent(Stage::Present, began.elapsed());
+        timings.presented((add > 0).then_some((state.version, is_at_rest)));
         Ok(is_at_rest && self.done.1 <= samples)
     }
 }
@@ -255,18 +265,24 @@ impl CpuScreen {
         })
     }
 
-    fn draw(&mut self, state: &State, interface: &mut Interface, size: [u32; 2]) -> Result<()> {
-        let has_new = self.exchange(state);
-        self.paint(interface, size, has_new, state)
+    fn draw(&mut self, state: &State, interface: &mut Interface, size: [u32; 2], timings: &mut Timings) -> Result<()> {
+        let has_new = self.exchange(state, timings);
+        self.paint(interface, size, has_new, state, timings)
     }
 
     /// Takes a finished picture and asks for the next one; whether there is a new one.
-    fn exchange(&mut self, state: &State) -> bool {
+    fn exchange(&mut self, state: &State, timings: &mut Timings) -> bool {
         let view = state.view();
         let mut has_new = false;
         if let Some(frame) = self.worker.take_frame() {
-            if !frame.fine {
-                self.coarseness = match frame.seconds {
+            let seconds = (frame.drawn - frame.begun).as_secs_f64();
+            if frame.fine {
+                timings.spent(Stage::Still, frame.drawn - frame.begun);
+            } else {
+                timings.spent(Stage::Wait, frame.begun - frame.posted);
+                timings.spent(Stage::Render, frame.drawn - frame.begun);
+                timings.spent(Stage::Wake, frame.drawn.elapsed());
+                self.coarseness = match seconds {
                     slow if slow > SLOW_FRAME => (self.coarseness + 1).min(4),
                     fast if fast < SLOW_FRAME * 0.25 => (self.coarseness - 1).max(1),
                     _ => self.coarseness,
@@ -286,6 +302,7 @@ impl CpuScreen {
             settings,
             may_stop,
             version: state.version,
+            posted: Instant::now(),
         };
         if state.work.layers.is_empty() {
             // The start page covers it, and what is opened next must not begin with it.
@@ -308,7 +325,14 @@ impl CpuScreen {
     }
 
     /// Paints what changed.
-    fn paint(&mut self, interface: &mut Interface, size: [u32; 2], has_new: bool, state: &State) -> Result<()> {
+    fn paint(
+        &mut self,
+        interface: &mut Interface,
+        size: [u32; 2],
+        has_new: bool,
+        state: &State,
+        timings: &mut Timings,
+    ) -> Result<()> {
         let failed = |error: softbuffer::SoftBufferError| {
             Error::Unsupported(format!("the window takes no more pictures: {error}"))
         };
@@ -328,8 +352,10 @@ impl CpuScreen {
         if damage.is_empty() {
             return Ok(());
         }
+        let began = Instant::now();
         self.surface.resize(width, height).map_err(failed)?;
         let mut buffer = self.surface.buffer_mut().map_err(failed)?;
+        let ready = Instant::now();
         let mut stale = damage.clone();
         match buffer.age() {
             1 => {}
@@ -355,7 +381,13 @@ impl CpuScreen {
         };
         let rects: Vec<softbuffer::Rect> = stale.iter().filter_map(rect_of).collect();
         self.last_damage = damage;
-        buffer.present_with_damage(&rects).map_err(failed)
+        let painted = Instant::now();
+        buffer.present_with_damage(&rects).map_err(failed)?;
+        timings.spent(Stage::Paint, painted - ready);
+        timings.spent(Stage::Present, painted.elapsed() + (ready - began));
+        let picture = self.shown.as_ref().filter(|_| has_new);
+        timings.presented(picture.map(|frame| (frame.version, frame.fine)));
+        Ok(())
     }
 }
 

@@ -9,6 +9,7 @@ use crate::scene::Scene;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Instant;
 
 /// A picture to draw.
 #[derive(Clone)]
@@ -22,6 +23,8 @@ pub(super) struct Job {
     pub(super) may_stop: bool,
     /// Counts changes of the view; a frame says which one it shows.
     pub(super) version: u64,
+    /// When it was asked for.
+    pub(super) posted: Instant,
 }
 
 /// A finished picture, as the window shows it.
@@ -32,8 +35,10 @@ pub(super) struct Frame {
     pub(super) version: u64,
     /// Whether it was the fine one.
     pub(super) fine: bool,
-    /// Seconds it took.
-    pub(super) seconds: f64,
+    /// When it was asked for, begun, and finished.
+    pub(super) posted: Instant,
+    pub(super) begun: Instant,
+    pub(super) drawn: Instant,
 }
 
 impl Frame {
@@ -121,16 +126,17 @@ fn run(shared: &Shared, notify: &dyn Fn()) {
                 state = shared.wake.wait(state).unwrap_or_else(PoisonError::into_inner);
             }
         };
-        let started = std::time::Instant::now();
+        let begun = Instant::now();
         if renderer.load(Arc::clone(&job.scene)).is_err() {
             continue;
         }
         let never = AtomicBool::new(false);
         let stop = if job.may_stop { &shared.stop } else { &never };
         let Some(image) = renderer.image_unless(&job.view, &job.settings, stop) else { continue };
-        let seconds = started.elapsed().as_secs_f64();
+        let drawn = Instant::now();
         let pixels = shown(&image, job.size);
-        lock(shared).frame = Some(Frame { pixels, size: job.size, version: job.version, fine: job.may_stop, seconds });
+        let Job { size, version, may_stop: fine, posted, .. } = job;
+        lock(shared).frame = Some(Frame { pixels, size, version, fine, posted, begun, drawn });
         notify();
     }
 }
@@ -168,7 +174,7 @@ mod tests {
         let scene = Arc::new(Scene::from_blocks(Vec::new(), Vec::new()));
         let view = View::new(scene.fitted_camera(1.0), 64, 64);
         let settings = Settings { samples, ground_texels: 16, ao: 0, shadow: false };
-        Job { scene, view, size: [64, 64], settings, may_stop, version }
+        Job { scene, view, size: [64, 64], settings, may_stop, version, posted: Instant::now() }
     }
 
     #[test]

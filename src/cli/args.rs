@@ -75,6 +75,9 @@ pub struct ViewArgs {
     /// Renderer.
     #[command(flatten)]
     pub renderer: RendererArgs,
+    /// Count and time what the window does, and print it as JSON on standard error when it is closed: pictures, and milliseconds by stage
+    #[arg(long, help_heading = "Running")]
+    pub timings: bool,
 }
 
 /// What stands below the flags of `render`.
