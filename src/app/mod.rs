@@ -23,6 +23,7 @@ mod history;
 mod loader;
 mod mouse;
 mod navigate;
+mod pace;
 mod paint;
 mod picking;
 mod pictures;

@@ -111,6 +111,7 @@ pub(super) fn run(files: Vec<PathBuf>, options: Options) -> Result<Ended> {
         wake,
         next_frame: None,
         stale: true,
+        took: Duration::ZERO,
         failure: None,
         first_event: None,
         timings: Timings::new(is_timed),
@@ -121,9 +122,9 @@ pub(super) fn run(files: Vec<PathBuf>, options: Options) -> Result<Ended> {
     app.failure.map_or(Ok(Ended { failures, timings }), Err)
 }
 
-/// Steps of the mouse wait no longer than this for the picture that is being drawn (chosen: as long as one in motion may take before the next is
-/// made coarser).
-const LATEST: Duration = Duration::from_millis(60);
+/// What the next picture in motion shows is settled so long before the last one will be finished, beside what settling takes (chosen: by so much
+/// drawing the same again varies).
+const SPARE: Duration = Duration::from_millis(1);
 
 /// What there is once the window is open.
 struct Open {
@@ -147,6 +148,8 @@ struct App {
     next_frame: Option<Instant>,
     /// Whether the interface has to be shown anew, and not only the picture.
     stale: bool,
+    /// How long showing it took last.
+    took: Duration,
     failure: Option<Error>,
     /// When the first of the events came that the interface has not been shown.
     first_event: Option<Instant>,
@@ -212,6 +215,7 @@ impl App {
         if let Some(rest) = self.state.until_rest(Instant::now()).filter(|rest| !rest.is_zero()) {
             next = Some(next.map_or(rest.as_secs_f64(), |next| next.min(rest.as_secs_f64())));
         }
+        self.took = began.elapsed();
         self.next_frame = next.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
         let title = self.state.title();
         if title != open.title {
@@ -223,7 +227,7 @@ impl App {
         {
             self.timings.awaits(self.state.version, since);
         }
-        self.timings.spent(Stage::Interface, began.elapsed());
+        self.timings.spent(Stage::Interface, self.took);
         for request in std::mem::take(&mut self.state.requests) {
             match request {
                 Request::Open => self.dialogs.open(),
@@ -240,6 +244,9 @@ impl App {
     }
 
     fn draw(&mut self, event_loop: &ActiveEventLoop) {
+        if let Some(open) = &mut self.open {
+            open.screen.collect(&mut self.timings);
+        }
         let is_due = self.next_frame.is_some_and(|at| at <= Instant::now());
         if std::mem::take(&mut self.stale) || is_due {
             self.show_interface(event_loop);
@@ -247,6 +254,9 @@ impl App {
         let Some(open) = &mut self.open else { return };
         match open.screen.draw(&self.state, &mut open.interface, &mut self.timings) {
             Ok(again) => {
+                // What moves by itself in the interface moves with the pictures, and not more often.
+                let wish = open.screen.next_wish(self.took + SPARE);
+                self.next_frame = self.next_frame.map(|at| wish.map_or(at, |wish| at.max(wish)));
                 if again {
                     open.window.request_redraw(); // the picture still gets better
                 }
@@ -336,14 +346,12 @@ impl ApplicationHandler<Wake> for App {
         }
         if open.egui.on_window_event(&open.window, &event).repaint {
             self.first_event.get_or_insert_with(Instant::now);
-            if matches!(event, WindowEvent::CursorMoved { .. }) && open.screen.is_moving() {
-                // A mouse tells of every step. They are taken together when the picture comes that is being drawn.
-                let latest = Instant::now() + LATEST;
-                self.next_frame = Some(self.next_frame.map_or(latest, |at| at.min(latest)));
-                self.stale = true;
-                return;
+            let wish = open.screen.next_wish(self.took + SPARE);
+            match wish.filter(|_| matches!(event, WindowEvent::CursorMoved { .. })) {
+                // A mouse tells of every step. They are taken together when the picture will soon come that is being drawn.
+                Some(wish) => self.next_frame = Some(self.next_frame.map_or(wish, |at| at.min(wish))),
+                None => self.refresh(),
             }
-            self.refresh();
         }
     }
 
