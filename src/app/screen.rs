@@ -97,7 +97,13 @@ struct GpuScreen {
     /// Samples of a version that are in the picture.
     done: (u64, u32),
     size_px: [u32; 2],
+    /// Pictures until a test has the device destroyed.
+    lose_in: Option<u32>,
 }
+
+/// The variable by which tests have the device destroyed before a picture of this number: what a driver that is reset does to a window.
+#[cfg(feature = "gpu")]
+const LOSE_DEVICE: &str = "BALLSTICK_LOSE_DEVICE";
 
 struct CpuScreen {
     surface: softbuffer::Surface<Arc<Window>, Arc<Window>>,
@@ -179,7 +185,10 @@ impl Screen {
                     Ok(true)
                 }
             },
-            Kind::Cpu(cpu) => cpu.draw(state, interface, size, timings).map(|()| false),
+            Kind::Cpu(cpu) => {
+                timings.drawn_by("cpu");
+                cpu.draw(state, interface, size, timings).map(|()| false)
+            }
         }
     }
 }
@@ -200,7 +209,8 @@ fn gpu_screen(window: &Arc<Window>, choice: Choice) -> Result<Option<Kind>> {
     let size = window.inner_size();
     let size_px = [size.width.max(1), size.height.max(1)];
     let (renderer, surface) = GpuRenderer::for_window(Arc::clone(window), size_px, wish)?;
-    Ok(Some(Kind::Gpu(Box::new(GpuScreen { renderer, surface, done: (0, 0), size_px }))))
+    let lose_in = std::env::var(LOSE_DEVICE).ok().and_then(|number| number.parse().ok());
+    Ok(Some(Kind::Gpu(Box::new(GpuScreen { renderer, surface, done: (0, 0), size_px, lose_in }))))
 }
 
 #[cfg(not(feature = "gpu"))]
@@ -223,6 +233,10 @@ impl GpuScreen {
         use crate::render::Renderer as _;
         use crate::render::gpu::UserInterface;
         let began = Instant::now();
+        self.lose_in = self.lose_in.map(|pictures| pictures.saturating_sub(1));
+        if self.lose_in == Some(0) {
+            self.renderer.lose_device();
+        }
         let size_px = size_px.map(|side| side.max(1));
         if size_px != self.size_px {
             self.renderer.resize(&mut self.surface, size_px);
@@ -252,6 +266,7 @@ impl GpuScreen {
         self.renderer.present(&mut self.surface, &state.view(), settings, done, add, over)?;
         self.done.1 += add;
         timings.spent(Stage::Present, began.elapsed());
+        timings.drawn_by("gpu");
         timings.presented((add > 0).then_some((state.version, is_at_rest)));
         Ok(is_at_rest && self.done.1 <= samples)
     }
@@ -290,7 +305,7 @@ impl CpuScreen {
 
     fn next_wish(&self, lead: Duration) -> Option<Instant> {
         self.awaited?;
-        // Until a finished picture is given up that is being drawn, or the window has taken note.
+        // Until a finished picture is given up that is being drawn, or while the next one has been asked for already.
         let soon = || Instant::now() + IN_BETWEEN;
         Some(self.worker.moving_since().map_or_else(soon, |since| since + self.took.saturating_sub(lead)))
     }

@@ -61,6 +61,8 @@ pub(super) struct Timings {
     /// How often egui was run.
     interfaces: u64,
     last_picture: Option<Instant>,
+    /// What has drawn, in order.
+    drawn_by: Vec<&'static str>,
     /// Events whose effect is not to be seen yet, with the version of the picture that shows it.
     awaited: VecDeque<(u64, Instant)>,
 }
@@ -84,6 +86,13 @@ impl Timings {
             spent.pop_front();
         }
         spent.push_back(duration.as_secs_f32() * 1e3);
+    }
+
+    /// Another renderer draws, or still the same.
+    pub(super) fn drawn_by(&mut self, name: &'static str) {
+        if self.is_on && self.drawn_by.last() != Some(&name) {
+            self.drawn_by.push(name);
+        }
     }
 
     /// An event of this moment changed the picture to this version.
@@ -135,6 +144,7 @@ impl Timings {
             }
         }
         let line = serde_json::json!({
+            "renderers": self.drawn_by,
             "presented": self.presented,
             "pictures_in_motion": self.pictures[0],
             "finished_pictures": self.pictures[1],

@@ -147,9 +147,10 @@ impl Worker {
         self.shared.wake.notify_one();
     }
 
-    /// When the picture in motion was begun that is being drawn.
+    /// When the picture in motion was begun that is being drawn, as long as no other one waits for it.
     pub(super) fn moving_since(&self) -> Option<Instant> {
-        lock(&self.shared).begun
+        let state = lock(&self.shared);
+        state.begun.filter(|_| state.job.is_none())
     }
 
     /// The newest finished picture, once.
