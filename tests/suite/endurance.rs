@@ -150,7 +150,7 @@ fn a_window_draws_nothing_at_rest_and_does_not_grow() {
     xdotool(&display, &["key", "q"]);
     let told = window.ended();
     assert_eq!(told["renderers"], serde_json::json!(["cpu"]));
-    assert!(told["finished_pictures"].as_u64().unwrap() >= 100, "{told}");
+    assert!(told["pictures_in_motion"].as_u64().unwrap() >= 100, "{told}");
 }
 
 #[test]
