@@ -189,9 +189,9 @@ fn a_lost_device_leaves_the_window_to_the_cpu() {
 fn compositor(folder: &Path) -> Result<Child, String> {
     use std::os::unix::fs::PermissionsExt;
     std::fs::set_permissions(folder, std::fs::Permissions::from_mode(0o700)).map_err(|error| error.to_string())?;
-    let child = Command::new("weston")
+    let mut child = Command::new("weston")
         .args(["--backend=headless", "--renderer=pixman", "--socket=wayland-test", "--width=1000", "--height=800"])
-        // The second for pictures of the screen.
+        // The last for pictures of the screen.
         .args(["--idle-time=0", "--no-config", "--shell=desktop", "--debug"])
         .env("XDG_RUNTIME_DIR", folder)
         .env_remove("DISPLAY")
@@ -203,6 +203,7 @@ fn compositor(folder: &Path) -> Result<Child, String> {
     let started = Instant::now();
     while !folder.join("wayland-test").exists() {
         if started.elapsed() > Duration::from_secs(20) {
+            let _ = child.kill();
             return Err("weston does not start".to_owned());
         }
         std::thread::sleep(Duration::from_millis(50));
@@ -240,8 +241,8 @@ fn on_wayland_the_window_shows_the_molecule_rests_and_ends_with_the_compositor()
         .output()
         .map(|output| output.status.success());
     if matches!(shot, Ok(true)) {
-        let pictures = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
-        let picture = pictures.into_iter().find(|path| path.extension().is_some_and(|e| e == "png")).unwrap();
+        let mut files = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
+        let picture = files.find(|path| path.extension().is_some_and(|e| e == "png")).unwrap();
         let (width, _, bytes) = pixels(&picture);
         let channels = bytes.len() / (width as usize * 800);
         // Oxygens are red, nitrogens blue, as nothing in the interface or the compositor's desktop is.

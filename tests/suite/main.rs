@@ -19,7 +19,7 @@ mod cli;
 mod corpus;
 mod crystals;
 mod dependencies;
-#[cfg(feature = "window")]
+#[cfg(all(unix, feature = "window"))]
 mod endurance;
 mod examples;
 mod faults;
