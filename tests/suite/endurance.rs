@@ -190,9 +190,9 @@ fn compositor(folder: &Path) -> Result<Child, String> {
     use std::os::unix::fs::PermissionsExt;
     std::fs::set_permissions(folder, std::fs::Permissions::from_mode(0o700)).map_err(|error| error.to_string())?;
     let mut child = Command::new("weston")
-        .args(["--backend=headless", "--renderer=pixman", "--socket=wayland-test", "--width=1000", "--height=800"])
-        // The last for pictures of the screen.
-        .args(["--idle-time=0", "--no-config", "--shell=desktop", "--debug"])
+        .args(["--backend=headless-backend.so", "--use-gl", "--socket=wayland-test", "--width=1000", "--height=800"])
+        // The last for pictures of the screen; those of its other renderer lack what has no alpha, as our window.
+        .args(["--idle-time=0", "--no-config", "--debug"])
         .env("XDG_RUNTIME_DIR", folder)
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY")
@@ -243,8 +243,8 @@ fn on_wayland_the_window_shows_the_molecule_rests_and_ends_with_the_compositor()
     if matches!(shot, Ok(true)) {
         let mut files = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
         let picture = files.find(|path| path.extension().is_some_and(|e| e == "png")).unwrap();
-        let (width, _, bytes) = pixels(&picture);
-        let channels = bytes.len() / (width as usize * 800);
+        let (width, height, bytes) = pixels(&picture);
+        let channels = bytes.len() / (width as usize * height as usize);
         // Oxygens are red, nitrogens blue, as nothing in the interface or the compositor's desktop is.
         let count = |is: fn(&[u8]) -> bool| bytes.chunks_exact(channels).filter(|pixel| is(pixel)).count();
         let red = count(|p| p[0] > 150 && p[1] < 60 && p[2] < 60);
