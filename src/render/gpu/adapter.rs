@@ -165,7 +165,9 @@ pub(super) fn open(
             tried.push(format!("{report}: cannot draw to this window"));
             continue;
         }
-        let wanted = limits.cloned().unwrap_or_else(|| wanted_limits(&adapter.limits(), adapter.get_downlevel_capabilities().flags));
+        let wanted = limits
+            .cloned()
+            .unwrap_or_else(|| wanted_limits(&adapter.limits(), adapter.get_downlevel_capabilities().flags));
         match pollster::block_on(adapter.request_device(&device_descriptor(wanted))) {
             Ok((device, queue)) => return Ok(Opened { adapter, report, device, queue }),
             Err(error) => tried.push(format!("{report}: {error}")),

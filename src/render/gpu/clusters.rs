@@ -144,8 +144,7 @@ mod tests {
                 let frustum = Frustum::new(&frame, region);
                 let view_from_world = view.camera.view_from_world();
                 let grid = view.pixel_grid();
-                let camera =
-                    bounds::BoundsCamera { orthographic: grid.orthographic, near: view.camera.near };
+                let camera = bounds::BoundsCamera { orthographic: grid.orthographic, near: view.camera.near };
                 let runs = frustum.runs(&boxes, order.len() as u32, &view_from_world);
                 let (mut inside, mut drawn) = (0, 0);
                 for (place, &i) in order.iter().enumerate() {

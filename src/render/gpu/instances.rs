@@ -214,17 +214,17 @@ impl Instances {
         }
     }
 
-    /// Draws everything but what is listed, of which `listed` draws what is in the lists, in the reference's order: all spheres, all
-    /// cylinders and so on, each kind with its pipeline. Without a frustum nothing is left out.
+    /// Draws everything of some kinds, of what is `listed` what is in the lists, in the reference's order: all spheres, all cylinders and so
+    /// on, each kind with its pipeline. Without a frustum nothing is left out.
     pub(super) fn draw(
         &self,
         geometry: &Geometry,
         pass: &mut wgpu::RenderPass<'_>,
-        frustum: Option<&Frustum>,
-        listed: &[Listed],
+        kinds: std::ops::Range<usize>,
+        (frustum, listed): (Option<&Frustum>, &[Listed]),
     ) {
         let seen_from = self.seen_from.lock().unwrap_or_else(PoisonError::into_inner);
-        for (kind, pipeline) in geometry.pipelines.iter().enumerate() {
+        for (kind, pipeline) in geometry.pipelines.iter().enumerate().filter(|(kind, _)| kinds.contains(kind)) {
             let mut is_set = false;
             for (placement, &block) in self.placed.iter().enumerate() {
                 for chunk in &self.blocks[block].0[kind].0 {
@@ -250,19 +250,21 @@ impl Instances {
                     }
                 }
             }
-            self.draw_listed(geometry, pass, kind, listed);
+            if let Some(pipelines) = &geometry.listed {
+                self.draw_listed(pipelines, pass, kind, listed);
+            }
         }
     }
 
     /// Draws what the lists of a kind hold.
     pub(super) fn draw_listed(
         &self,
-        geometry: &Geometry,
+        pipelines: &[wgpu::RenderPipeline; 2],
         pass: &mut wgpu::RenderPass<'_>,
         kind: usize,
         listed: &[Listed],
     ) {
-        let Some(pipeline) = geometry.listed.as_ref().and_then(|pipelines| pipelines.get(kind)) else { return };
+        let Some(pipeline) = pipelines.get(kind) else { return };
         let mut of_kind = listed.iter().filter(|listed| listed.kind() == kind).peekable();
         if of_kind.peek().is_some() {
             pass.set_pipeline(pipeline);

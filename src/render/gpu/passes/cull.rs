@@ -1,8 +1,9 @@
 //! Which balls and sticks a sample draws, as lists for indirect draws. Two-pass: what was seen last time is drawn first, then the others
 //! are asked against the depth that it left (see [`super::pyramid`]), and drawn where it does not hide them.
 //!
-//! Wants a device that computes. A list keeps the order of the instances. Limits: of two surfaces at the very same depth the one that was
-//! seen last time stays, whichever comes first in the block.
+//! Wants a device that computes. A list keeps the order of the instances, and of a ball and a stick at the very same depth the ball is seen,
+//! as without lists. Limits: of two balls or two sticks at the same depth the one that was seen last time is, whichever comes first: a
+//! pixel in some millions where balls overlap.
 
 use super::frame::Frame;
 use super::pyramid::Pyramid;
@@ -34,10 +35,12 @@ impl Cull {
         let drawn_layout = layout(gpu, "listed", &[storage(0, wgpu::ShaderStages::VERTEX, true)]);
         let module = module(gpu, "cull.wgsl")?;
         let groups = [Some(&frame.layout), Some(placement), Some(&lists_layout), Some(&pyramid.layout)];
-        let step = |entry| compute_pipeline(gpu, &module, entry, &groups);
+        let asking = |entry| compute_pipeline(gpu, &module, entry, &groups);
+        // The others do not know the depth, which need not be there yet.
+        let step = |entry| compute_pipeline(gpu, &module, entry, &groups[..3]);
         Ok(Cull {
             recall: step("recall"),
-            find: [step("find_spheres"), step("find_cylinders")],
+            find: [asking("find_spheres"), asking("find_cylinders")],
             scan: step("scan"),
             scatter: step("scatter"),
             lists_layout,
@@ -61,9 +64,8 @@ impl Cull {
         encoder: &mut wgpu::CommandEncoder,
         frame: &Frame,
         (instances, listed): (&Instances, &[Listed]),
-        pyramid: &wgpu::BindGroup,
     ) {
-        let mut pass = begin(encoder, "recall", frame, pyramid);
+        let mut pass = begin(encoder, "recall", frame);
         for listed in listed {
             self.bind(&mut pass, instances, listed);
             pass.set_pipeline(&self.recall);
@@ -80,7 +82,8 @@ impl Cull {
         (instances, listed): (&Instances, &[Listed]),
         pyramid: &wgpu::BindGroup,
     ) {
-        let mut pass = begin(encoder, "find", frame, pyramid);
+        let mut pass = begin(encoder, "find", frame);
+        pass.set_bind_group(3, pyramid, &[]);
         for listed in listed {
             self.bind(&mut pass, instances, listed);
             pass.set_pipeline(&self.find[listed.kind()]);
@@ -103,16 +106,10 @@ impl Cull {
     }
 }
 
-fn begin<'a>(
-    encoder: &'a mut wgpu::CommandEncoder,
-    label: &str,
-    frame: &Frame,
-    pyramid: &wgpu::BindGroup,
-) -> wgpu::ComputePass<'a> {
+fn begin<'a>(encoder: &'a mut wgpu::CommandEncoder, label: &str, frame: &Frame) -> wgpu::ComputePass<'a> {
     let mut pass =
         encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes: None });
     pass.set_bind_group(0, &frame.group, &[]);
-    pass.set_bind_group(3, pyramid, &[]);
     pass
 }
 

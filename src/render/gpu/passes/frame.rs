@@ -25,7 +25,10 @@ impl Frame {
         let layout = layout(
             gpu,
             "frame",
-            &[uniform(gpu, 0, size_of::<FrameConstants>(), false), uniform(gpu, 1, size_of::<SampleConstants>(), false)],
+            &[
+                uniform(gpu, 0, size_of::<FrameConstants>(), false),
+                uniform(gpu, 1, size_of::<SampleConstants>(), false),
+            ],
         );
         let buffer = |label, size: usize| gpu.empty_buffer(label, wgpu::BufferUsages::UNIFORM, size as u64);
         let constants = buffer("frame", size_of::<FrameConstants>());

@@ -9,8 +9,8 @@ use crate::error::Result;
 use crate::render::gpu::device::Gpu;
 use crate::render::gpu::instances::{Culling, Instances};
 use crate::render::gpu::layout::{
-    CONE_ATTRIBUTES, CYLINDER_ATTRIBUTES, DEPTH_FORMAT, KINDS, LISTED_ATTRIBUTES, PlacementConstants, SPHERE_ATTRIBUTES, SURFACE_FORMAT,
-    TORUS_ATTRIBUTES, TRIANGLE_ATTRIBUTES,
+    CONE_ATTRIBUTES, CYLINDER_ATTRIBUTES, DEPTH_FORMAT, KINDS, LISTED_ATTRIBUTES, PlacementConstants,
+    SPHERE_ATTRIBUTES, SURFACE_FORMAT, TORUS_ATTRIBUTES, TRIANGLE_ATTRIBUTES,
 };
 use crate::render::gpu::targets::Targets;
 use crate::scene::{ConeInstance, CylinderInstance, Region, SphereInstance, TorusInstance, TriangleInstance};
@@ -21,6 +21,8 @@ pub(in crate::render::gpu) struct Geometry {
     pub(in crate::render::gpu) pipelines: [wgpu::RenderPipeline; KINDS],
     /// Of the balls and sticks that a list names, where the device can list them.
     pub(in crate::render::gpu) listed: Option<[wgpu::RenderPipeline; 2]>,
+    /// The same for what is drawn late: a ball that is as near as a stick is seen, as if it had been drawn before.
+    late: Option<[wgpu::RenderPipeline; 2]>,
     /// Group 1: a placement, by dynamic offset.
     pub(in crate::render::gpu) placement_layout: wgpu::BindGroupLayout,
 }
@@ -69,23 +71,29 @@ impl Geometry {
             };
             pipeline(gpu, parts)
         });
-        let listed = match cull {
-            None => None,
-            Some(cull) => {
-                let of = |label: &str, entries: [&str; 2], module: &wgpu::ShaderModule| {
-                    let groups = [&frame.layout, &placement_layout, &cull.drawn_layout];
-                    let instances = Some(instances(size_of::<u32>(), &LISTED_ATTRIBUTES));
-                    let depth = Some(depth.clone());
-                    pipeline(gpu, Parts { label, module, entries, format: SURFACE_FORMAT, groups: &groups, instances, depth })
-                };
-                let modules = [module(gpu, "sphere_listed.wgsl")?, module(gpu, "cylinder_listed.wgsl")?];
-                Some([
-                    of("listed spheres", ["vs_sphere_listed", "fs_sphere"], &modules[0]),
-                    of("listed cylinders", ["vs_cylinder_listed", "fs_cylinder"], &modules[1]),
-                ])
-            }
-        };
-        Ok(Geometry { pipelines, listed, placement_layout })
+        let (mut listed, mut late) = (None, None);
+        if let Some(cull) = cull {
+            let of = |label: &str, entries: [&str; 2], module: &wgpu::ShaderModule, compare| {
+                let groups = [&frame.layout, &placement_layout, &cull.drawn_layout];
+                let instances = Some(instances(size_of::<u32>(), &LISTED_ATTRIBUTES));
+                let depth = Some(wgpu::DepthStencilState { depth_compare: Some(compare), ..depth.clone() });
+                pipeline(
+                    gpu,
+                    Parts { label, module, entries, format: SURFACE_FORMAT, groups: &groups, instances, depth },
+                )
+            };
+            let modules = [module(gpu, "sphere_listed.wgsl")?, module(gpu, "cylinder_listed.wgsl")?];
+            let spheres = |compare| of("listed spheres", ["vs_sphere_listed", "fs_sphere"], &modules[0], compare);
+            let cylinders = of(
+                "listed cylinders",
+                ["vs_cylinder_listed", "fs_cylinder"],
+                &modules[1],
+                wgpu::CompareFunction::Greater,
+            );
+            listed = Some([spheres(wgpu::CompareFunction::Greater), cylinders.clone()]);
+            late = Some([spheres(wgpu::CompareFunction::GreaterEqual), cylinders]);
+        }
+        Ok(Geometry { pipelines, listed, late, placement_layout })
     }
 
     /// Draws a sample of a part of the picture.
@@ -106,19 +114,25 @@ impl Geometry {
             }
             _ => None,
         };
-        if let Some((instances, cull, _, over)) = lists {
-            cull.recall(encoder, frame, (instances, listed), &over.group);
+        if let Some((instances, cull, ..)) = lists {
+            cull.recall(encoder, frame, (instances, listed));
         }
         self.draw(encoder, frame, targets, region, (true, lists.is_none()), |pass| {
+            // What is no ball or stick comes after all of these.
+            let kinds = if lists.is_some() { 0..2 } else { 0..KINDS };
+            let listed = if lists.is_some() { listed } else { &[] };
             if let Some(instances) = instances {
-                instances.draw(self, pass, frustum.as_ref(), if lists.is_some() { listed } else { &[] });
+                instances.draw(self, pass, kinds, (frustum.as_ref(), listed));
             }
         });
         if let Some((instances, cull, pyramid, over)) = lists {
             pyramid.record(encoder, over);
             cull.find(encoder, frame, (instances, listed), &over.group);
             self.draw(encoder, frame, targets, region, (false, true), |pass| {
-                (0..2).for_each(|kind| instances.draw_listed(self, pass, kind, listed));
+                if let Some(late) = &self.late {
+                    (0..2).for_each(|kind| instances.draw_listed(late, pass, kind, listed));
+                }
+                instances.draw(self, pass, 2..KINDS, (None, listed));
             });
         }
     }
