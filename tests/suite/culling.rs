@@ -153,3 +153,22 @@ fn what_others_hide_is_not_drawn() {
     let drawn = gpu.listed_instances().unwrap();
     assert!((1..2_000).contains(&drawn), "{drawn} of 101,307 are drawn");
 }
+
+#[test]
+fn copies_are_on_the_device_once() {
+    let written = |copies: u16| {
+        let mut gpu = GpuRenderer::noop(&wgpu::Limits::default()).unwrap();
+        let place = |i: u16| Placement {
+            block: 0,
+            world_from_block: Affine3A::from_translation(Vec3::X * 120.0 * f32::from(i)),
+            first_id: 120_000 * u32::from(i),
+        };
+        let scene = Scene::from_blocks(vec![crowd(false)], (0..copies).map(place).collect());
+        let view = View::new(scene.fitted_camera(1.5), 24, 16);
+        gpu.load(Arc::new(scene)).unwrap();
+        gpu.image(&view, &QUICK).unwrap();
+        gpu.work().bytes as f64
+    };
+    let (one, sixty) = (written(1), written(60));
+    assert!(one > 50_653.0 * 72.0 && sixty < 1.1 * one, "{one} bytes, {sixty} of sixty copies");
+}
