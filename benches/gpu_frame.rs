@@ -1,5 +1,6 @@
 //! A frame in motion (1 sample, no ground, 1920×1080, read back) on whatever graphics adapter there is, with and without culling: milliseconds
-//! of the best of some frames of an orbit, each a degree on. `-- ATOMS…` takes other sizes.
+//! of the best of some frames of an orbit, each a degree on. `-- ATOMS…` takes other sizes,
+//! `-- downlevel` the limits of the weakest devices.
 
 #![allow(clippy::expect_used, reason = "a bench that cannot draw has nothing to measure")]
 
@@ -41,7 +42,9 @@ fn main() {
     if sizes.is_empty() {
         sizes = common::SIZES.to_vec();
     }
-    let mut renderer = GpuRenderer::new(AdapterWish::Any).expect("an adapter");
+    let is_weak = std::env::args().any(|word| word == "downlevel");
+    let open = if is_weak { GpuRenderer::downlevel } else { GpuRenderer::new };
+    let mut renderer = open(AdapterWish::Any).expect("an adapter");
     println!("{}", renderer.name());
     println!("atoms     view   none_ms frustum_ms full_ms");
     let settings = Settings { samples: 1, ..Quality::Draft.settings() };

@@ -25,7 +25,9 @@ fn crowd(see_through: bool) -> Block {
     };
     let places: Vec<Vec3> = (0..=SIDE * SIDE * SIDE).map(&mut place).collect();
     for i in 0..SIDE * SIDE * SIDE {
-        let (center, end) = (places[i as usize], places[i as usize + 1]);
+        let center = places[i as usize];
+        // The last of a row ends in the open: sticks do not meet but in balls.
+        let end = if i % SIDE == SIDE - 1 { center + Vec3::X } else { places[i as usize + 1] };
         let color = |a: u8| Srgb8 { a, ..Srgb8::rgb((i % 251) as u8, (i / 251) as u8, 120) };
         let ball = color(if see_through && i % 10 == 0 { 100 } else { 255 });
         spheres.push(SphereInstance {

@@ -165,9 +165,7 @@ pub(super) fn open(
             tried.push(format!("{report}: cannot draw to this window"));
             continue;
         }
-        let wanted = limits
-            .cloned()
-            .unwrap_or_else(|| wanted_limits(&adapter.limits(), adapter.get_downlevel_capabilities().flags));
+        let wanted = limits.cloned().unwrap_or_else(|| wanted_limits(&adapter.limits(), computing(&adapter)));
         match pollster::block_on(adapter.request_device(&device_descriptor(wanted))) {
             Ok((device, queue)) => return Ok(Opened { adapter, report, device, queue }),
             Err(error) => tried.push(format!("{report}: {error}")),
@@ -188,13 +186,18 @@ pub(super) fn device_descriptor(required_limits: wgpu::Limits) -> wgpu::DeviceDe
     }
 }
 
-/// What WebGL2-class devices have is enough; larger textures and buffers are taken where there are any, and what culling computes with.
-fn wanted_limits(adapter: &wgpu::Limits, flags: wgpu::DownlevelFlags) -> wgpu::Limits {
-    let mut floor = wgpu::Limits::downlevel_webgl2_defaults();
-    let computes = wgpu::DownlevelFlags::COMPUTE_SHADERS
+/// Whether an adapter can make lists of what is drawn. In GLSL the depth cannot be read.
+fn computing(adapter: &wgpu::Adapter) -> bool {
+    let needed = wgpu::DownlevelFlags::COMPUTE_SHADERS
         | wgpu::DownlevelFlags::VERTEX_STORAGE
         | wgpu::DownlevelFlags::INDIRECT_EXECUTION;
-    if flags.contains(computes) && adapter.max_storage_buffers_per_shader_stage >= CULL_BUFFERS {
+    adapter.get_info().backend != wgpu::Backend::Gl && adapter.get_downlevel_capabilities().flags.contains(needed)
+}
+
+/// What WebGL2-class devices have is enough; larger textures and buffers are taken where there are any, and what culling computes with.
+fn wanted_limits(adapter: &wgpu::Limits, computes: bool) -> wgpu::Limits {
+    let mut floor = wgpu::Limits::downlevel_webgl2_defaults();
+    if computes && adapter.max_storage_buffers_per_shader_stage >= CULL_BUFFERS {
         floor = wgpu::Limits {
             max_storage_buffers_per_shader_stage: CULL_BUFFERS,
             max_storage_buffer_binding_size: adapter.max_storage_buffer_binding_size,
