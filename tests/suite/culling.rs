@@ -159,7 +159,7 @@ fn what_others_hide_is_not_drawn() {
 #[test]
 fn copies_are_on_the_device_once() {
     let written = |copies: u16| {
-        let mut gpu = GpuRenderer::noop(&wgpu::Limits::default()).unwrap();
+        let mut gpu = GpuRenderer::noop(&wgpu::Limits::downlevel_webgl2_defaults()).unwrap();
         let place = |i: u16| Placement {
             block: 0,
             world_from_block: Affine3A::from_translation(Vec3::X * 120.0 * f32::from(i)),
