@@ -22,6 +22,12 @@ fn vs_cylinder(
     @location(2) id: u32,
     @location(3) colors_caps: vec3<u32>,
 ) -> CylinderVertex {
+    return cylinder_vertex(corner, a_radius, b_block, id, colors_caps);
+}
+
+fn cylinder_vertex(
+    corner: u32, a_radius: vec4<f32>, b_block: vec3<f32>, id: u32, colors_caps: vec3<u32>,
+) -> CylinderVertex {
     // Twin of Cylinder::new.
     let a_block = a_radius.xyz;
     let radius = a_radius.w;

@@ -15,6 +15,10 @@ fn vs_sphere(
     @location(0) center_radius: vec4<f32>,
     @location(1) color_id: vec2<u32>,
 ) -> SphereVertex {
+    return sphere_vertex(corner, center_radius, color_id);
+}
+
+fn sphere_vertex(corner: u32, center_radius: vec4<f32>, color_id: vec2<u32>) -> SphereVertex {
     let center = view_point(center_radius.xyz);
     let radius = center_radius.w;
     let id = placed_id(color_id.y);

@@ -88,6 +88,8 @@
 //!   `--quality draft` goes without.
 //! - Copies of an assembly share their atoms in structure and scene; finished pictures, and pictures by a GPU, spread them out: 60 copies of
 //!   100,000 atoms take 1.3 GB. Frames of a moving window on the CPU do not.
+//! - What others hide is left out on a GPU only where it can compute, of scenes without many copies, and of balls and sticks: cones, rings and
+//!   triangles are drawn all. Lists of what is drawn take some 5 bytes a ball and a stick each. Things smaller than a pixel are not merged.
 //! - On a GPU whose textures are too small for the primitives, or for the tubes of one sample's directions (about 200,000 atoms
 //!   where 2048 texels a side are all), there is no ambient occlusion and no shadow on the molecule.
 //! - See-through primitives seen through one another take their samples each by its id, so that two may show a little more or less than

@@ -163,10 +163,32 @@ fn attributes_of_cones_tori_and_triangles_are_their_fields() {
 }
 
 #[test]
+fn listed_instances_are_fetched_as_they_lie() {
+    // By words of 8 bytes: as many as an instance has, the fields at those of the vertex attributes.
+    let holds = |file: &str, part: &str| assert!(shaders::source(file).unwrap().contains(part), "{file}: {part}");
+    assert_eq!(size_of::<SphereInstance>(), 3 * 8);
+    assert_eq!(size_of::<CylinderInstance>(), 6 * 8);
+    for file in ["cull.wgsl", "sphere_listed.wgsl"] {
+        holds(file, "let first = 3u * number;");
+    }
+    for file in ["cull.wgsl", "cylinder_listed.wgsl"] {
+        holds(file, "let first = 6u * number;");
+    }
+    assert_eq!(offset_of!(SphereInstance, color), 2 * 8);
+    assert_eq!((offset_of!(CylinderInstance, b), offset_of!(CylinderInstance, id)), (2 * 8, 3 * 8 + 4));
+    assert_eq!((offset_of!(CylinderInstance, color_a), offset_of!(CylinderInstance, caps)), (4 * 8, 5 * 8));
+    for (file, entry) in [("sphere_listed.wgsl", "vs_sphere_listed"), ("cylinder_listed.wgsl", "vs_cylinder_listed")] {
+        assert_eq!(inputs(file, entry), [(0, 1)]);
+    }
+}
+
+#[test]
 fn numbers_that_both_sides_hold_are_the_same() {
     let holds = |file: &str, line: String| assert!(shaders::source(file).unwrap().contains(&line), "{file}: {line}");
     let offset = ballstick::render::sky::START_OFFSET;
     holds("sky.wgsl", format!("const START_OFFSET: f32 = {offset:e};"));
+    holds("cull.wgsl", format!("const MEMBERS: u32 = {}u;", ballstick::render::gpu::clusters::MEMBERS));
+    holds("cull.wgsl", format!("const OUTLINED: f32 = {};", ballstick::render::gpu::clusters::OUTLINED));
     holds("torus.wgsl", format!("const TORUS_PIECES: u32 = {}u;", ballstick::render::bounds::TORUS_PIECES));
 }
 

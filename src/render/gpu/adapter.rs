@@ -1,5 +1,6 @@
 //! Which adapters there are, in which order they are tried, and the limits asked of them.
 
+use super::device::CULL_BUFFERS;
 use crate::error::{Error, Result};
 
 /// Which adapters will do.
@@ -164,7 +165,7 @@ pub(super) fn open(
             tried.push(format!("{report}: cannot draw to this window"));
             continue;
         }
-        let wanted = limits.cloned().unwrap_or_else(|| wanted_limits(&adapter.limits()));
+        let wanted = limits.cloned().unwrap_or_else(|| wanted_limits(&adapter.limits(), computing(&adapter)));
         match pollster::block_on(adapter.request_device(&device_descriptor(wanted))) {
             Ok((device, queue)) => return Ok(Opened { adapter, report, device, queue }),
             Err(error) => tried.push(format!("{report}: {error}")),
@@ -185,9 +186,30 @@ pub(super) fn device_descriptor(required_limits: wgpu::Limits) -> wgpu::DeviceDe
     }
 }
 
-/// What WebGL2-class devices have is enough; larger textures and buffers are taken where there are any.
-fn wanted_limits(adapter: &wgpu::Limits) -> wgpu::Limits {
-    let floor = wgpu::Limits::downlevel_webgl2_defaults();
+/// Whether an adapter can make lists of what is drawn. In GLSL the depth cannot be read.
+fn computing(adapter: &wgpu::Adapter) -> bool {
+    let needed = wgpu::DownlevelFlags::COMPUTE_SHADERS
+        | wgpu::DownlevelFlags::VERTEX_STORAGE
+        | wgpu::DownlevelFlags::INDIRECT_EXECUTION;
+    adapter.get_info().backend != wgpu::Backend::Gl && adapter.get_downlevel_capabilities().flags.contains(needed)
+}
+
+/// What WebGL2-class devices have is enough; larger textures and buffers are taken where there are any, and what culling computes with.
+fn wanted_limits(adapter: &wgpu::Limits, computes: bool) -> wgpu::Limits {
+    let mut floor = wgpu::Limits::downlevel_webgl2_defaults();
+    if computes && adapter.max_storage_buffers_per_shader_stage >= CULL_BUFFERS {
+        floor = wgpu::Limits {
+            max_storage_buffers_per_shader_stage: CULL_BUFFERS,
+            max_storage_buffer_binding_size: adapter.max_storage_buffer_binding_size,
+            max_compute_workgroup_storage_size: adapter.max_compute_workgroup_storage_size,
+            max_compute_invocations_per_workgroup: adapter.max_compute_invocations_per_workgroup,
+            max_compute_workgroup_size_x: adapter.max_compute_workgroup_size_x,
+            max_compute_workgroup_size_y: adapter.max_compute_workgroup_size_y,
+            max_compute_workgroup_size_z: adapter.max_compute_workgroup_size_z,
+            max_compute_workgroups_per_dimension: adapter.max_compute_workgroups_per_dimension,
+            ..floor
+        };
+    }
     wgpu::Limits {
         max_texture_dimension_2d: adapter.max_texture_dimension_2d,
         max_buffer_size: adapter.max_buffer_size.max(floor.max_buffer_size),

@@ -14,6 +14,9 @@ use std::time::{Duration, Instant};
 /// seconds for a million primitives.
 const STUCK: Duration = Duration::from_secs(120);
 
+/// Storage buffers that the culling of [`super::passes::cull`] reads and writes at once.
+pub(super) const CULL_BUFFERS: u32 = 7;
+
 /// What callbacks have told.
 #[derive(Debug, Default)]
 struct Trouble(Mutex<Option<String>>);
@@ -72,6 +75,13 @@ impl Gpu {
         });
         let limits = device.limits();
         Gpu { device, queue, limits, report, trouble, work: Mutex::default() }
+    }
+
+    /// Whether the device computes, with what [`super::passes::cull`] needs: seven storage buffers, lists as vertices, indirect draws. It has
+    /// these limits only if all that is there.
+    pub(super) fn can_cull(&self) -> bool {
+        self.limits.max_storage_buffers_per_shader_stage >= CULL_BUFFERS
+            && self.limits.max_compute_invocations_per_workgroup >= 256
     }
 
     /// What was made so far.

@@ -1,7 +1,7 @@
 //! From samples to sums and pixels: which passes run, in which order.
 
 use super::device::Gpu;
-use super::instances::Instances;
+use super::instances::{Culling, Instances};
 use super::layout::SampleConstants;
 use super::passes::Passes;
 use super::passes::resolve::ResolvePipeline;
@@ -23,6 +23,7 @@ pub(super) struct Draw<'a> {
     pub(super) gpu: &'a Gpu,
     pub(super) passes: &'a Passes,
     pub(super) instances: Option<&'a Instances>,
+    pub(super) culling: Culling,
     pub(super) sky: &'a Sky,
     /// Whether the sky or the key light are asked what reaches a surface.
     pub(super) asks: bool,
@@ -31,8 +32,7 @@ pub(super) struct Draw<'a> {
 impl Draw<'_> {
     /// One sample's visible surface.
     fn geometry(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets, region: Region) {
-        let Passes { frame, geometry, .. } = self.passes;
-        geometry.record(encoder, frame, self.instances, targets, region);
+        self.passes.geometry.record(encoder, self.passes, (self.instances, self.culling), targets, region);
     }
 
     /// Adds to the sum what the shade pass finds of the surface.

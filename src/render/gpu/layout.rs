@@ -84,6 +84,9 @@ pub const TRIANGLE_ATTRIBUTES: [wgpu::VertexAttribute; 7] = wgpu::vertex_attr_ar
     0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x3, 4 => Float32x3, 5 => Float32x3, 6 => Uint32x4
 ];
 
+/// Number of an instance in its buffer, as `vs_sphere_listed` and `vs_cylinder_listed` read it.
+pub const LISTED_ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Uint32];
+
 /// Vertices of an instance of each kind: a quad, and for a torus six a piece of its tube.
 pub const VERTICES: [u32; KINDS] = [4, 4, 4, 6 * TORUS_PIECES, 4];
 

@@ -7,7 +7,8 @@
 //! next is not made again: instances, pipelines, the field, the ground's map, the tubes of the light, targets.
 //!
 //! The path is the one for WebGL2-class devices: instanced vertex buffers, textures read by `textureLoad`, integer
-//! targets, no compute, no storage buffers, no blending. Larger textures and buffers are used where the device has them.
+//! targets, no compute, no storage buffers, no blending. Larger textures and buffers are used where the device has them, and where it
+//! computes, what others hide is not drawn ([`passes::cull`]); where it does not, the CPU leaves out what is not in the picture ([`clusters`]).
 //! Pictures beyond a texture are drawn in tiles, with the same rays as the whole.
 //!
 //! Limits: on a device whose textures end at 2048 pixels the ground map has at most 2046 texels a side.
@@ -15,6 +16,7 @@
 #![cfg_attr(not(feature = "window"), allow(dead_code, reason = "windows alone need some of it"))]
 
 mod adapter;
+pub mod clusters;
 mod device;
 mod draw;
 mod gbuffer;
@@ -23,6 +25,7 @@ mod instances;
 #[cfg(feature = "window")]
 mod interface;
 pub mod layout;
+mod listed;
 mod passes;
 pub mod shaders;
 mod sky;
@@ -32,6 +35,7 @@ mod window;
 
 pub use adapter::{AdapterReport, AdapterWish, adapters};
 pub use device::Work;
+pub use instances::Culling;
 #[cfg(feature = "window")]
 pub use interface::UserInterface;
 #[cfg(feature = "window")]
@@ -67,6 +71,7 @@ pub struct GpuRenderer {
     instances: Option<Instances>,
     ground: Ground,
     sky: Sky,
+    culling: Culling,
     targets: Option<Targets>,
     /// Whether it was said that the light from afar does not fit; once a scene is enough.
     is_lack_said: bool,
@@ -126,6 +131,7 @@ impl GpuRenderer {
             instances,
             ground,
             sky,
+            culling: Culling::default(),
             targets,
             is_lack_said: false,
             notices: Vec::new(),
@@ -142,6 +148,30 @@ impl GpuRenderer {
     #[must_use]
     pub fn work(&self) -> Work {
         self.gpu.work()
+    }
+
+    /// What is left out of what the device is asked to draw: by default all that can be. The pictures are the same: for measurements and tests.
+    pub fn set_culling(&mut self, culling: Culling) {
+        self.culling = culling;
+    }
+
+    /// Whether what others hide is left out: the device computes, and the scene has many balls or sticks that are not copied often.
+    #[must_use]
+    pub fn lists(&self) -> bool {
+        self.instances.as_ref().map_or(self.gpu.can_cull(), |instances| !instances.listed(Culling::Full).is_empty())
+    }
+
+    /// Balls and sticks that the last sample drew by lists, for tests.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device is lost.
+    pub fn listed_instances(&self) -> Result<u64> {
+        let Some(instances) = &self.instances else { return Ok(0) };
+        let mut sum = 0;
+        for listed in instances.listed(self.culling) {
+            sum += listed.seen(&self.gpu)?;
+        }
+        Ok(sum)
     }
 
     /// Destroys the device, as a driver reset would: every later call is an error. For tests of the fall back to the CPU.
@@ -227,7 +257,7 @@ impl GpuRenderer {
 
     fn draw(&self, asks: bool) -> Draw<'_> {
         let (gpu, passes, instances) = (&self.gpu, &self.passes, self.instances.as_ref());
-        Draw { gpu, passes, instances, sky: &self.sky, asks }
+        Draw { gpu, passes, instances, culling: self.culling, sky: &self.sky, asks }
     }
 
     /// A texture for finished pixels, as large as the largest tile.

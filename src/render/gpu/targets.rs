@@ -3,6 +3,7 @@
 use super::device::{Gpu, view_of};
 use super::layout::{DEPTH_FORMAT, SUM_FORMAT, SURFACE_FORMAT};
 use super::passes::Passes;
+use super::passes::pyramid::PyramidOf;
 use crate::error::Result;
 use crate::scene::Region;
 
@@ -17,6 +18,8 @@ pub(super) struct Targets {
     pub(super) surface: wgpu::Texture,
     pub(super) surface_view: wgpu::TextureView,
     pub(super) depth: wgpu::TextureView,
+    /// Over the depth, where the device computes.
+    pub(super) pyramid: Option<PyramidOf>,
     /// The sum of `n` samples is in `sums[n % 2]`.
     pub(super) sums: [wgpu::Texture; 2],
     pub(super) sum_views: [wgpu::TextureView; 2],
@@ -31,11 +34,13 @@ impl Targets {
             let read = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
             let surface = gpu.texture("surfaces", size, SURFACE_FORMAT, drawn | read);
             let surface_view = view_of(&surface);
-            let depth = view_of(&gpu.texture("depth", size, DEPTH_FORMAT, drawn));
+            let asked = passes.pyramid.as_ref().map_or(drawn, |_| drawn | wgpu::TextureUsages::TEXTURE_BINDING);
+            let depth = view_of(&gpu.texture("depth", size, DEPTH_FORMAT, asked));
+            let pyramid = passes.pyramid.as_ref().map(|pyramid| pyramid.over(gpu, &depth, size));
             let sums = ["even sum", "odd sum"].map(|label| gpu.texture(label, size, SUM_FORMAT, drawn | read));
             let sum_views = sums.each_ref().map(view_of);
             let shade_groups = sum_views.each_ref().map(|sum| passes.shade.inputs(gpu, &surface_view, sum));
-            Ok(Targets { size, surface, surface_view, depth, sums, sum_views, shade_groups })
+            Ok(Targets { size, surface, surface_view, depth, pyramid, sums, sum_views, shade_groups })
         })
     }
 

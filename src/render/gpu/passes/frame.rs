@@ -2,10 +2,12 @@
 
 use super::{layout, uniform};
 use crate::render::frame::FrameConstants;
+use crate::render::gpu::clusters::Frustum;
 use crate::render::gpu::device::Gpu;
 use crate::render::gpu::layout::SampleConstants;
 use crate::render::settings::sample_offset;
 use crate::scene::Region;
+use std::sync::{Mutex, PoisonError};
 
 /// The constants on the device.
 #[derive(Debug)]
@@ -14,6 +16,8 @@ pub(in crate::render::gpu) struct Frame {
     pub(super) group: wgpu::BindGroup,
     constants: wgpu::Buffer,
     sample: wgpu::Buffer,
+    /// What the device has.
+    written: Mutex<Option<FrameConstants>>,
 }
 
 impl Frame {
@@ -21,7 +25,10 @@ impl Frame {
         let layout = layout(
             gpu,
             "frame",
-            &[uniform(0, size_of::<FrameConstants>(), false), uniform(1, size_of::<SampleConstants>(), false)],
+            &[
+                uniform(gpu, 0, size_of::<FrameConstants>(), false),
+                uniform(gpu, 1, size_of::<SampleConstants>(), false),
+            ],
         );
         let buffer = |label, size: usize| gpu.empty_buffer(label, wgpu::BufferUsages::UNIFORM, size as u64);
         let constants = buffer("frame", size_of::<FrameConstants>());
@@ -34,11 +41,18 @@ impl Frame {
                 wgpu::BindGroupEntry { binding: 1, resource: sample.as_entire_binding() },
             ],
         });
-        Frame { layout, group, constants, sample }
+        Frame { layout, group, constants, sample, written: Mutex::default() }
     }
 
     pub(in crate::render::gpu) fn set(&self, gpu: &Gpu, constants: &FrameConstants) {
         gpu.write(&self.constants, bytemuck::bytes_of(constants));
+        *self.written.lock().unwrap_or_else(PoisonError::into_inner) = Some(*constants);
+    }
+
+    /// What a part of the picture shows; `None` before the first picture.
+    pub(super) fn frustum(&self, region: Region) -> Option<Frustum> {
+        let written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
+        written.as_ref().map(|frame| Frustum::new(frame, region))
     }
 
     /// Sample `done` of `total` of a part of the picture.

@@ -1,13 +1,16 @@
 //! The visible surface of one sample: every primitive a quad that bounds it tightly, an exact intersection a fragment.
+//!
+//! Where lists are kept (see [`super::cull`]), it is two passes over the same targets: what was seen last time, then what else is.
 
+use super::cull::Cull;
 use super::frame::Frame;
-use super::{Parts, cleared, layout, module, pipeline, set_part, uniform};
+use super::{Parts, Passes, cleared, layout, module, pipeline, set_part, uniform};
 use crate::error::Result;
 use crate::render::gpu::device::Gpu;
-use crate::render::gpu::instances::Instances;
+use crate::render::gpu::instances::{Culling, Instances};
 use crate::render::gpu::layout::{
-    CONE_ATTRIBUTES, CYLINDER_ATTRIBUTES, DEPTH_FORMAT, KINDS, PlacementConstants, SPHERE_ATTRIBUTES, SURFACE_FORMAT,
-    TORUS_ATTRIBUTES, TRIANGLE_ATTRIBUTES,
+    CONE_ATTRIBUTES, CYLINDER_ATTRIBUTES, DEPTH_FORMAT, KINDS, LISTED_ATTRIBUTES, PlacementConstants,
+    SPHERE_ATTRIBUTES, SURFACE_FORMAT, TORUS_ATTRIBUTES, TRIANGLE_ATTRIBUTES,
 };
 use crate::render::gpu::targets::Targets;
 use crate::scene::{ConeInstance, CylinderInstance, Region, SphereInstance, TorusInstance, TriangleInstance};
@@ -15,14 +18,26 @@ use crate::scene::{ConeInstance, CylinderInstance, Region, SphereInstance, Torus
 /// A pipeline for each kind of primitive.
 #[derive(Debug)]
 pub(in crate::render::gpu) struct Geometry {
-    pipelines: [wgpu::RenderPipeline; KINDS],
+    pub(in crate::render::gpu) pipelines: [wgpu::RenderPipeline; KINDS],
+    /// Of the balls and sticks that a list names, where the device can list them.
+    pub(in crate::render::gpu) listed: Option<[wgpu::RenderPipeline; 2]>,
+    /// The same for what is drawn late: a ball that is as near as a stick is seen, as if it had been drawn before.
+    late: Option<[wgpu::RenderPipeline; 2]>,
     /// Group 1: a placement, by dynamic offset.
     pub(in crate::render::gpu) placement_layout: wgpu::BindGroupLayout,
 }
 
 impl Geometry {
-    pub(super) fn new(gpu: &Gpu, frame: &Frame) -> Result<Geometry> {
-        let placement_layout = layout(gpu, "placement", &[uniform(0, size_of::<PlacementConstants>(), true)]);
+    pub(super) fn placement_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
+        layout(gpu, "placement", &[uniform(gpu, 0, size_of::<PlacementConstants>(), true)])
+    }
+
+    pub(super) fn new(
+        gpu: &Gpu,
+        frame: &Frame,
+        placement_layout: wgpu::BindGroupLayout,
+        cull: Option<&Cull>,
+    ) -> Result<Geometry> {
         let instances = |array_stride: usize, attributes: &'static [wgpu::VertexAttribute]| wgpu::VertexBufferLayout {
             array_stride: array_stride as u64,
             step_mode: wgpu::VertexStepMode::Instance,
@@ -56,31 +71,100 @@ impl Geometry {
             };
             pipeline(gpu, parts)
         });
-        Ok(Geometry { pipelines, placement_layout })
+        let (mut listed, mut late) = (None, None);
+        if let Some(cull) = cull {
+            let of = |label: &str, entries: [&str; 2], module: &wgpu::ShaderModule, compare| {
+                let groups = [&frame.layout, &placement_layout, &cull.drawn_layout];
+                let instances = Some(instances(size_of::<u32>(), &LISTED_ATTRIBUTES));
+                let depth = Some(wgpu::DepthStencilState { depth_compare: Some(compare), ..depth.clone() });
+                pipeline(
+                    gpu,
+                    Parts { label, module, entries, format: SURFACE_FORMAT, groups: &groups, instances, depth },
+                )
+            };
+            let modules = [module(gpu, "sphere_listed.wgsl")?, module(gpu, "cylinder_listed.wgsl")?];
+            let spheres = |compare| of("listed spheres", ["vs_sphere_listed", "fs_sphere"], &modules[0], compare);
+            let cylinders = of(
+                "listed cylinders",
+                ["vs_cylinder_listed", "fs_cylinder"],
+                &modules[1],
+                wgpu::CompareFunction::Greater,
+            );
+            listed = Some([spheres(wgpu::CompareFunction::Greater), cylinders.clone()]);
+            late = Some([spheres(wgpu::CompareFunction::GreaterEqual), cylinders]);
+        }
+        Ok(Geometry { pipelines, listed, late, placement_layout })
     }
 
+    /// Draws a sample of a part of the picture.
     pub(in crate::render::gpu) fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        frame: &Frame,
-        instances: Option<&Instances>,
+        passes: &Passes,
+        (instances, culling): (Option<&Instances>, Culling),
         targets: &Targets,
         region: Region,
     ) {
+        let Passes { frame, cull, pyramid, .. } = passes;
+        let listed = instances.map_or(&[][..], |instances| instances.listed(culling));
+        let frustum = frame.frustum(region).filter(|_| culling >= Culling::Frustum);
+        let lists = match (instances, cull, pyramid, &targets.pyramid) {
+            (Some(instances), Some(cull), Some(pyramid), Some(over)) if !listed.is_empty() => {
+                Some((instances, cull, pyramid, over))
+            }
+            _ => None,
+        };
+        if let Some((instances, cull, ..)) = lists {
+            cull.recall(encoder, frame, (instances, listed));
+        }
+        self.draw(encoder, frame, targets, region, (true, lists.is_none()), |pass| {
+            // What is no ball or stick comes after all of these.
+            let kinds = if lists.is_some() { 0..2 } else { 0..KINDS };
+            let listed = if lists.is_some() { listed } else { &[] };
+            if let Some(instances) = instances {
+                instances.draw(self, pass, kinds, (frustum.as_ref(), listed));
+            }
+        });
+        if let Some((instances, cull, pyramid, over)) = lists {
+            pyramid.record(encoder, over);
+            cull.find(encoder, frame, (instances, listed), &over.group);
+            self.draw(encoder, frame, targets, region, (false, true), |pass| {
+                if let Some(late) = &self.late {
+                    (0..2).for_each(|kind| instances.draw_listed(late, pass, kind, listed));
+                }
+                instances.draw(self, pass, 2..KINDS, (None, listed));
+            });
+        }
+    }
+
+    /// One pass over the targets, which may be the first, which clears them, and the last, after which depth is not needed.
+    fn draw(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        targets: &Targets,
+        region: Region,
+        (is_first, is_last): (bool, bool),
+        draw: impl FnOnce(&mut wgpu::RenderPass<'_>),
+    ) {
+        let mut attachment = cleared(&targets.surface_view);
+        if !is_first {
+            attachment.ops.load = wgpu::LoadOp::Load;
+        }
+        let load = if is_first { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
+        let store = if is_last { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("geometry"),
-            color_attachments: &[Some(cleared(&targets.surface_view))],
+            color_attachments: &[Some(attachment)],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &targets.depth,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+                depth_ops: Some(wgpu::Operations { load, store }),
                 stencil_ops: None,
             }),
             ..wgpu::RenderPassDescriptor::default()
         });
         set_part(&mut pass, region);
         pass.set_bind_group(0, &frame.group, &[]);
-        if let Some(instances) = instances {
-            instances.draw(&self.pipelines, &mut pass);
-        }
+        draw(&mut pass);
     }
 }

@@ -20,7 +20,7 @@ pub(in crate::render::gpu) struct GroundMapPass {
 
 impl GroundMapPass {
     pub(super) fn new(gpu: &Gpu, frame: &Frame) -> Result<GroundMapPass> {
-        let entries = [uniform(0, size_of::<FieldConstants>(), false), texture(1, FLOATS), texture(2, FLOATS)];
+        let entries = [uniform(gpu, 0, size_of::<FieldConstants>(), false), texture(1, FLOATS), texture(2, FLOATS)];
         let field_layout = layout(gpu, "field", &entries);
         let shader = ["ground_map.wgsl", "fs_ground_map"];
         let pipeline = fullscreen_pipeline(gpu, frame, shader, GROUND_FORMAT, &[&field_layout])?;

@@ -6,15 +6,19 @@
 //! |---|---|---|---|---|
 //! | [`ground_map`] | `ground_map.wgsl` | the distance field | light on the ground | scene, light or ground changed |
 //! | [`geometry`] | `sphere.wgsl`, … | instances, placements | id, depth, normal, colour of one sample | every sample |
+//! | [`pyramid`] | `pyramid.wgsl` | the depth so far | the farthest of every 16, 256, 4096 pixels | every sample, where the device computes |
+//! | [`cull`] | `cull.wgsl` | boxes of clusters, instances, that | lists of what [`geometry`] draws | every sample, twice, where the device computes |
 //! | [`shade`] | `shade_pass.wgsl` | that, tubes of sky and key light, the sum before | the sum | every sample |
 //! | [`resolve`] | `resolve.wgsl` | the sum, light on the ground, text | pixels | once shown |
 //!
 //! The light of the sky and the shadow of the key light have no pass of their own: each sample asks its share of their directions where
 //! it is shaded, so that they converge with the samples.
 
+pub(super) mod cull;
 pub(super) mod frame;
 pub(super) mod geometry;
 pub(super) mod ground_map;
+pub(super) mod pyramid;
 pub(super) mod resolve;
 pub(super) mod shade;
 
@@ -22,9 +26,11 @@ use super::device::Gpu;
 use super::shaders;
 use crate::error::Result;
 use crate::scene::Region;
+use cull::Cull;
 use frame::Frame;
 use geometry::Geometry;
 use ground_map::GroundMapPass;
+use pyramid::Pyramid;
 use resolve::Resolve;
 use shade::Shade;
 use std::num::NonZeroU64;
@@ -37,15 +43,27 @@ pub(super) struct Passes {
     pub(super) geometry: Geometry,
     pub(super) shade: Shade,
     pub(super) resolve: Resolve,
+    /// Where the device computes.
+    pub(super) cull: Option<Cull>,
+    pub(super) pyramid: Option<Pyramid>,
 }
 
 impl Passes {
     pub(super) fn new(gpu: &Gpu) -> Result<Passes> {
         gpu.guard("building the pipelines", || {
             let frame = Frame::new(gpu);
+            let placement = Geometry::placement_layout(gpu);
+            let (mut cull, mut pyramid) = (None, None);
+            if gpu.can_cull() {
+                let levels = Pyramid::new(gpu)?;
+                cull = Some(Cull::new(gpu, &frame, &placement, &levels)?);
+                pyramid = Some(levels);
+            }
             Ok(Passes {
                 ground_map: GroundMapPass::new(gpu, &frame)?,
-                geometry: Geometry::new(gpu, &frame)?,
+                geometry: Geometry::new(gpu, &frame, placement, cull.as_ref())?,
+                cull,
+                pyramid,
                 shade: Shade::new(gpu, &frame)?,
                 resolve: Resolve::new(gpu, &frame)?,
                 frame,
@@ -63,10 +81,12 @@ fn layout(gpu: &Gpu, label: &str, entries: &[wgpu::BindGroupLayoutEntry]) -> wgp
     gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
 }
 
-fn uniform(binding: u32, bytes: usize, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {
+/// A uniform of all stages that the device has.
+fn uniform(gpu: &Gpu, binding: u32, bytes: usize, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {
+    let compute = if gpu.can_cull() { wgpu::ShaderStages::COMPUTE } else { wgpu::ShaderStages::NONE };
     wgpu::BindGroupLayoutEntry {
         binding,
-        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT | compute,
         ty: wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
             has_dynamic_offset,
@@ -74,6 +94,41 @@ fn uniform(binding: u32, bytes: usize, has_dynamic_offset: bool) -> wgpu::BindGr
         },
         count: None,
     }
+}
+
+fn storage(binding: u32, visibility: wgpu::ShaderStages, read_only: bool) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    }
+}
+
+fn compute_pipeline(
+    gpu: &Gpu,
+    module: &wgpu::ShaderModule,
+    entry: &str,
+    groups: &[Option<&wgpu::BindGroupLayout>],
+) -> wgpu::ComputePipeline {
+    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(entry),
+        bind_group_layouts: groups,
+        immediate_size: 0,
+    });
+    gpu.count(|work| work.pipelines += 1);
+    gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(entry),
+        layout: Some(&layout),
+        module,
+        entry_point: Some(entry),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    })
 }
 
 fn texture(binding: u32, sample_type: wgpu::TextureSampleType) -> wgpu::BindGroupLayoutEntry {
