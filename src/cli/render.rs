@@ -11,6 +11,7 @@ use crate::cli::args::Channel;
 use crate::crystal::Drawn;
 use crate::error::{Error, Result};
 use crate::import;
+use crate::render::cpu::simd::Level;
 use crate::render::{Choice, DeviceLimits, Quality, Renderer, Selection, Settings, View, crop, select, select_under};
 use crate::scene::{
     AltlocChoice, Aromatic, AtomPlace, Background, Camera, ColorBy, DepthOfField, Item, LabelContent, LightFrame, Look,
@@ -441,7 +442,7 @@ pub(super) fn devices() -> Devices {
         Err(error) => Err(error.to_string()),
     };
     let note = (!cfg!(feature = "gpu")).then(|| "This ballstick was built without the GPU renderer.".to_owned());
-    Devices { adapters: adapters(), note, choice }
+    Devices { simd: Level::used().name(), adapters: adapters(), note, choice }
 }
 
 #[cfg(feature = "gpu")]
