@@ -26,7 +26,10 @@ bonds; glb, gltf, obj (with mtl), stl, ply hold what would be drawn, with the sa
 Examples:
   ballstick convert 1crn.pdb crambin.json
   ballstick convert 1crn.pdb -o crambin.glb --style licorice --color-by residue
-  ballstick convert quartz.cif -o quartz.stl --supercell 2x2x2 --scale 5";
+  ballstick convert quartz.cif -o quartz.stl --supercell 2x2x2 --scale 5
+  ballstick convert session.json -o figure.glb
+
+In STL each ball and stick is a closed shell that reaches into its neighbours; slicers unite them.";
 
 /// `ballstick convert`.
 #[derive(Debug, Clone, Args)]

@@ -152,6 +152,18 @@ fn a_session_is_drawn_like_its_picture() {
 }
 
 #[test]
+fn samples_are_named_like_files_in_every_command() {
+    let case = Case::new(&[]);
+    let info = case.run(&["info", "sample:caffeine"]).status(0);
+    assert!(info.out().contains("C8H10N4O2"), "{}", info.out());
+    for output in ["a.json", "a.glb"] {
+        case.run(&["convert", "sample:caffeine", output]).status(0);
+    }
+    case.run(&["render", "sample:caffeine", "-o", "a.png", "--size=16x12", "--quality=draft"]).status(0);
+    assert_eq!(case.names(""), ["a.glb", "a.json", "a.png"]);
+}
+
+#[test]
 fn a_session_becomes_the_mesh_of_what_it_shows() {
     let case = Case::new(&[("water.xyz", WATER), ("frames.xyz", FRAMES)]);
     let flags = ["--style=licorice", "--hide=index 3", "--color=element O=teal"];

@@ -599,4 +599,8 @@ fn a_weak_device_or_none_draws_the_picture_and_says_who_did() {
         none.err()
     );
     assert!(draw("--renderer cpu --limits downlevel").contains("\"renderer\":\"cpu\""));
+    // Drivers do not survive this.
+    let line = "ballstick render methane.xyz -o c.png --size 64x48 --quality draft --renderer gpu";
+    let little = place.run(&format!("ulimit -v 700000 2>/dev/null || exit 77; {line}"), 0).err();
+    assert!(little.contains("ulimit -v") && little.contains("the CPU renderer takes over"), "{little}");
 }

@@ -149,6 +149,12 @@ impl GpuRenderer {
         self.gpu.device.destroy();
     }
 
+    /// The device, for tests that destroy it while something else has the renderer.
+    #[cfg(test)]
+    pub(crate) fn device_to_lose(&self) -> wgpu::Device {
+        self.gpu.device.clone()
+    }
+
     /// The loaded scene, or an empty one.
     fn scene(&self) -> Arc<Scene> {
         self.scene.clone().unwrap_or_else(|| Arc::new(Scene::from_blocks(Vec::new(), Vec::new())))
