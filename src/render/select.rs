@@ -237,18 +237,17 @@ mod tests {
         cpu.load(Arc::clone(&scene)).unwrap();
         let expected = cpu.image(&view, &settings).unwrap();
         for moment in ["before the scene", "before the picture", "after a picture"] {
-            let gpu = GpuRenderer::noop(&wgpu::Limits::downlevel_webgl2_defaults()).unwrap();
-            let lost = gpu.device_to_lose();
+            let (gpu, lose) = GpuRenderer::with_loss().unwrap();
             let mut renderer = WithFallback::around(Box::new(gpu));
             if moment == "before the scene" {
-                lost.destroy();
+                lose();
             }
             renderer.load(Arc::clone(&scene)).unwrap();
             if moment == "before the picture" {
-                lost.destroy();
+                lose();
             }
             let first = renderer.image(&view, &settings).unwrap();
-            lost.destroy();
+            lose();
             let second = renderer.image(&view, &settings).unwrap();
             assert!(second == expected && (moment == "after a picture" || first == expected), "{moment}");
             let notices = renderer.take_notices();

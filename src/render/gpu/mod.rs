@@ -149,10 +149,12 @@ impl GpuRenderer {
         self.gpu.device.destroy();
     }
 
-    /// The device, for tests that destroy it while something else has the renderer.
+    /// A renderer that draws nothing, and what destroys its device while something else has the renderer.
     #[cfg(test)]
-    pub(crate) fn device_to_lose(&self) -> wgpu::Device {
-        self.gpu.device.clone()
+    pub(crate) fn with_loss() -> Result<(GpuRenderer, impl Fn())> {
+        let renderer = GpuRenderer::noop(&wgpu::Limits::downlevel_webgl2_defaults())?;
+        let device = renderer.gpu.device.clone();
+        Ok((renderer, move || device.destroy()))
     }
 
     /// The loaded scene, or an empty one.
