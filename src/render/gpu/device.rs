@@ -102,11 +102,12 @@ impl Gpu {
         ];
         // Callbacks run in polls only: without one a loss would show a step late.
         self.poll(wgpu::PollType::Poll).ok();
-        if let Some(error) = errors.into_iter().flatten().next() {
-            return Err(failure(what, &error));
-        }
+        // A lost device refuses all that is made on it: the loss is what to tell.
         self.trouble.check()?;
-        done
+        match errors.into_iter().flatten().next() {
+            Some(error) => Err(failure(what, &error)),
+            None => done,
+        }
     }
 
     /// A command encoder, filled and submitted.
