@@ -122,12 +122,14 @@
 //!   metals have single bonds or dashes.
 //! - Dative bonds do not keep which atom gives the pair.
 //! - What a packed file unpacks to, and what light from afar takes, is not known when memory is asked for: a program that runs out of it in the
-//!   middle ends by a signal (134), and leaves nothing half done. The window does not ask. Below some 50 MB of addresses (`ulimit -v`) the system cannot
+//!   middle ends by a signal (134), and leaves nothing half done. The window does not ask. Graphics drivers do not look
+//!   whether they get memory: where `ulimit -v` leaves less than 4 GB, pictures are drawn by the CPU. Below some 50 MB of addresses (`ulimit -v`) the system cannot
 //!   even load the program.
 //! - Elsewhere than on Linux `kill -9` may leave a temporary file, as it may of a film that `ffmpeg` writes.
 //! - Of a file whose name is not UTF-8 a picture cannot say that it was made of it.
 //! - Exported meshes have no ground, light and texts. Shells of an STL file overlap and are not united, and an overlay in it is closed only if it was.
-//!   Programs that do not know `EXT_mesh_gpu_instancing` need `--compat`, whose triangles do not say which atom they are of. `convert` takes no session.
+//!   Programs that do not know `EXT_mesh_gpu_instancing` need `--compat`, whose triangles do not say which atom they are of. Of a session
+//!   `convert` writes meshes, not atoms.
 //! - Textures of meshes are read at their vertices and nowhere between. Of glTF compression, skins and morph targets are not read; polygons of OBJ files
 //!   are fans, so that concave ones come out wrong. Vectors do not turn with symmetry operations: no format that states them has any.
 
@@ -150,4 +152,9 @@ pub mod select;
 pub mod session;
 pub mod structure;
 
+// What most programs begin with, by short names.
 pub use error::{Error, Result};
+pub use import::{read_bytes, read_path};
+pub use render::{Image, Renderer};
+pub use scene::Scene;
+pub use structure::Structure;

@@ -8,7 +8,6 @@ use super::solid::{self, ConvertArgs};
 use crate::error::Result;
 use crate::export::atomic;
 use crate::export::formats::StructureFormat;
-use crate::export::solid::SolidFormat;
 use crate::import::Format;
 use crate::select::Scope;
 use crate::structure::Structure;
@@ -16,11 +15,8 @@ use std::path::Path;
 
 /// An error is one of usage.
 pub(super) fn run(args: &ConvertArgs, report: &mut Report) -> Result<(), String> {
-    let (files, output) = match (&args.output, args.files.as_slice()) {
-        (Some(output), files) => (files, output),
-        (None, [files @ .., output]) if !files.is_empty() => (files, output),
-        _ => return Err("convert needs a file to write: ballstick convert FILE OUT, or FILE… -o OUT".to_owned()),
-    };
+    let needs = "convert needs a file to write: ballstick convert FILE OUT, or FILE… -o OUT";
+    let (files, output) = args.places().ok_or(needs)?;
     if files.iter().filter(|file| file.as_os_str() == "-").count() > 1 {
         return Err("- is given twice, but standard input can be read only once".to_owned());
     }
@@ -31,11 +27,7 @@ pub(super) fn run(args: &ConvertArgs, report: &mut Report) -> Result<(), String>
             format!("--from {name} is no format that is read; they are {}", names.join(", "))
         })?),
     };
-    let solid = match &args.to {
-        Some(name) => SolidFormat::from_name(name),
-        None => SolidFormat::from_path(output),
-    };
-    if let Some(format) = solid {
+    if let Some(format) = args.solid_format() {
         solid::run(args, (files, output), format, from, report);
         return Ok(());
     }

@@ -5,6 +5,8 @@ use std::io::Write;
 
 /// What there is to draw with.
 pub(super) struct Devices {
+    /// Vector instructions of the CPU renderer.
+    pub(super) simd: &'static str,
     /// Graphics adapters, best first.
     pub(super) adapters: Vec<Adapter>,
     /// Why there are none, or may be more.
@@ -41,7 +43,7 @@ pub(super) fn run(devices: &Devices, report: &Report) {
 
 fn describe(devices: &Devices) -> String {
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let mut lines = vec![format!("CPU renderer: {threads} threads")];
+    let mut lines = vec![format!("CPU renderer: {threads} threads, {}", devices.simd)];
     for adapter in &devices.adapters {
         let Adapter { name, backend, kind, driver } = adapter;
         let driver = if driver.is_empty() { String::new() } else { format!(", {driver}") };
@@ -70,8 +72,8 @@ mod tests {
             driver: "Mesa 25".to_owned(),
         };
         let choice = Ok(("cpu".to_owned(), "the only adapter is a software one".to_owned()));
-        let text = describe(&Devices { adapters: vec![adapter], note: None, choice });
-        assert!(text.starts_with("CPU renderer: "));
+        let text = describe(&Devices { simd: "avx2", adapters: vec![adapter], note: None, choice });
+        assert!(text.starts_with("CPU renderer: ") && text.contains(" threads, avx2\n"), "{text}");
         assert!(text.contains("\nVulkan: llvmpipe (software, Mesa 25)\n"), "{text}");
         assert!(text.ends_with("--renderer auto uses cpu: the only adapter is a software one\n"));
     }

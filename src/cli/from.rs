@@ -61,8 +61,8 @@ fn typed(arguments: &[OsString]) -> HashSet<String> {
     names.map(|name| name.split('=').next().unwrap_or(name).to_owned()).collect()
 }
 
-/// The command line with a session's flags before those that are typed.
-pub(super) fn expanded(arguments: &[OsString], session: &Session) -> Vec<OsString> {
+/// The command line with a session's flags before those that are typed: those that the command knows.
+pub(super) fn expanded(arguments: &[OsString], session: &Session, knows: impl Fn(&str) -> bool) -> Vec<OsString> {
     let typed = typed(arguments);
     let replaced: HashSet<&str> = REPLACES
         .iter()
@@ -75,7 +75,7 @@ pub(super) fn expanded(arguments: &[OsString], session: &Session) -> Vec<OsStrin
     let mut words: Vec<OsString> = arguments.iter().take(2).cloned().collect();
     for (name, value) in session.flags(true) {
         let is_gone = typed.contains(name) || replaced.contains(name) || (name == "background" && goes_with_look);
-        if !is_gone {
+        if !is_gone && knows(name) {
             words.push(match value {
                 Some(value) => format!("--{name}={value}").into(),
                 None => format!("--{name}").into(),

@@ -14,6 +14,7 @@ use crate::error::{Error, Result};
 use crate::export::tidy;
 use crate::import::trajectory::{Input, Trajectory, inputs, read_input};
 use crate::import::{Document, ImportOptions};
+use crate::session::samples;
 use crate::structure::{Bond, Diagnostic, Severity, Structure};
 use crate::{bonds, export::atomic};
 use serde::Serialize;
@@ -153,7 +154,9 @@ fn print(text: &str) -> Result<()> {
 fn read(input: &Input, args: &InfoArgs, report: &Report) -> Result<Info> {
     let path = &input.structure;
     super::memory::check_file(path)?;
-    let mut document = read_input(input, &ImportOptions::default())?;
+    let options = ImportOptions::default();
+    let mut document =
+        if samples::of_path(path).is_some() { samples::read(path, &options)? } else { read_input(input, &options)? };
     let trajectories = document.trajectories.clone();
     for trajectory in &trajectories {
         let was_counted = trajectory.is_counted();

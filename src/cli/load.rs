@@ -28,7 +28,7 @@ pub(super) fn read_as(path: &Path, format: Option<Format>, report: &Report) -> R
     super::memory::check_file(path)?;
     let document = match samples::read(path, &ImportOptions { format, ..ImportOptions::default() }) {
         Err(Error::Input { .. } | Error::Unsupported(_)) if Session::is_at(path) => {
-            let message = "this is a session, or a picture with one: it is drawn alone, ballstick render FILE -o OUT, or opened in the window";
+            let message = "this is a session, or a picture with one: it is drawn alone, ballstick render FILE -o OUT, becomes a mesh, ballstick convert FILE OUT.glb, or is opened in the window";
             return Err(Error::Unsupported(message.to_owned()));
         }
         read => read?,

@@ -37,6 +37,22 @@ struct Room {
 /// could not be started.
 const LEAST_BYTES: u64 = 8 << 20;
 
+/// What a graphics driver may take of a process' own limit. Drivers do not look whether they get memory: Mesa's lavapipe ends the program by
+/// signal 11 at 1.3 GB for any picture, and at 1.6 GB for one of 400,000 atoms (2 GB are enough); twice that.
+const DRIVER_BYTES: u64 = 4 << 30;
+
+/// Why no graphics device should be used: the process' own limits leave too little. The machine's memory is the driver's to ask for.
+pub(super) fn too_little_for_drivers() -> Option<String> {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let limits = [(false, "ulimit -v"), (true, "ulimit -d")];
+    let mut left = limits.into_iter().filter_map(|(data, name)| Some((process_limit(data, &status)?, name)));
+    let (bytes, name) = left.find(|&(bytes, _)| bytes < DRIVER_BYTES)?;
+    let (there, needed) = (bytes / 1_000_000, DRIVER_BYTES / 1_000_000);
+    Some(format!(
+        "{name} leaves {there} MB, and graphics drivers may end the program where they do not get {needed} MB"
+    ))
+}
+
 /// Refuses any work where there is next to no memory.
 ///
 /// # Errors

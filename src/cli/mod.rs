@@ -37,6 +37,7 @@ use args::{Cli, Command};
 use clap::Parser;
 use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 
 /// Exit status where inputs failed.
 const FAILED: u8 = 1;
@@ -57,6 +58,10 @@ const STATUSES: &[(&str, &str)] = &[
 /// The environment variables that count, for the manual.
 const ENVIRONMENT: &[(&str, &str)] = &[
     ("RAYON_NUM_THREADS", "Threads to work with; one a core if it is not set."),
+    (
+        "BALLSTICK_SIMD",
+        "The widest vector instructions of the CPU renderer: avx512, avx2 or baseline; what the machine has if it is not set. The picture is the same.",
+    ),
     ("WGPU_BACKEND", "The interface to graphics devices: vulkan, gl, dx12 or metal."),
     ("XDG_CONFIG_HOME", "Where the window keeps its preferences (Linux); ~/.config if it is not set."),
 ];
@@ -64,18 +69,33 @@ const ENVIRONMENT: &[(&str, &str)] = &[
 /// Runs the program with these arguments, the first being its own name, and gives the exit status.
 #[must_use]
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    match process::on_stack_enough(|| begun(&arguments)) {
+        Begun::Ended(status) => status,
+        // Windows are opened on the first thread only.
+        Begun::View(args, report) => ended(view::run(*args, &report), report),
+    }
+}
+
+/// How far the work goes that any thread can do.
+enum Begun {
+    Ended(u8),
+    View(Box<args::ViewArgs>, report::Report),
+}
+
+fn begun(arguments: &[OsString]) -> Begun {
     let mut report = report::Report::default();
-    let cli = match parsed(arguments.into_iter().collect(), &report) {
+    let cli = match parsed(arguments, &report) {
         Ok(cli) => cli,
-        Err(status) => return status,
+        Err(status) => return Begun::Ended(status),
     };
     if let Err(error) = memory::check_start() {
         report.fail_with(&error.to_string());
-        return FAILED;
+        return Begun::Ended(FAILED);
     }
     process::prepare();
     let done = match cli.command.unwrap_or(Command::View(Box::new(cli.view))) {
-        Command::View(args) => view::run(*args, &report),
+        Command::View(args) => return Begun::View(args, report),
         Command::Render(args) => picture::run(&args, &mut report, &mut render::Drawer::new(args.renderer, args.limits)),
         Command::Info(args) => {
             info::run(&args, &mut report);
@@ -92,6 +112,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             Ok(())
         }
     };
+    Begun::Ended(ended(done, report))
+}
+
+/// The exit status; an error is one of usage.
+fn ended(done: Result<(), String>, report: report::Report) -> u8 {
     match done {
         Ok(()) => report.finish(),
         Err(message) => {
@@ -104,31 +129,21 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 }
 
 /// What is typed, with what `--from` adds to it; an exit status if it says nothing to do.
-fn parsed(arguments: Vec<OsString>, report: &report::Report) -> Result<Cli, u8> {
-    let parse = |arguments: &[OsString]| {
-        Cli::try_parse_from(arguments).map_err(|error| {
-            let status = u8::try_from(error.exit_code()).unwrap_or(USAGE);
-            // Help into a closed pipe is no failure; help that finds no room is.
-            match error.print() {
-                Err(error) if status == 0 && error.kind() != std::io::ErrorKind::BrokenPipe => {
-                    report.fail_with(&format!("cannot write -: {error}"));
-                    FAILED
-                }
-                _ => status,
-            }
-        })
-    };
+fn parsed(arguments: &[OsString], report: &report::Report) -> Result<Cli, u8> {
     let is_render = arguments.get(1).is_some_and(|word| word == "render");
-    let mut path = from::named(&arguments).filter(|_| is_render);
+    let mut path = from::named(arguments).filter(|_| is_render);
     let mut is_file = false;
     if path.is_none() {
-        let cli = parse(&arguments)?;
+        let cli = parse(arguments, report)?;
         // A session in place of a molecule means the same.
         path = match &cli.command {
             Some(Command::Render(args)) => match args.files.as_slice() {
                 [file] if Session::is_at(file) => Some(file.clone()),
                 _ => None,
             },
+            Some(Command::Convert(args)) if args.session().is_some() => {
+                return of_session(args, arguments, report);
+            }
             _ => None,
         };
         is_file = true;
@@ -136,24 +151,62 @@ fn parsed(arguments: Vec<OsString>, report: &report::Report) -> Result<Cli, u8> 
             return Ok(cli);
         }
     }
-    let Some(path) = path else { return parse(&arguments) };
-    let failed = |message: String| {
-        report.fail_with(&message);
-        FAILED
-    };
-    let session = Session::read(&path).map_err(|error| match error {
-        crate::Error::Io { .. } => failed(error.to_string()),
-        error => failed(format!("{}: {error}", path.display())),
-    })?;
-    let mut cli = parse(&from::expanded(&arguments, &session))?;
+    let Some(path) = path else { return parse(arguments, report) };
+    let session = session_at(&path, report)?;
+    let mut cli = parse(&from::expanded(arguments, &session, |_| true), report)?;
     if let Some(Command::Render(args)) = &mut cli.command {
         if is_file {
             args.files.clear();
             args.from = Some(path.clone());
         }
-        from::complete(args, &arguments, (&path, &session), report).map_err(failed)?;
+        from::complete(args, arguments, (&path, &session), report).map_err(|message| failed(report, &message))?;
     }
     Ok(cli)
+}
+
+/// `convert` of a session: what `render` would draw of it, as a mesh.
+fn of_session(args: &solid::ConvertArgs, arguments: &[OsString], report: &report::Report) -> Result<Cli, u8> {
+    let Some((path, output)) = args.session() else { return parse(arguments, report) };
+    let session = session_at(path, report)?;
+    let mut as_picture = ["ballstick", "render", "-o", "-", "--to", "png", "--from"].map(OsString::from).to_vec();
+    as_picture.push(path.into());
+    let picture = parse(&from::expanded(&as_picture, &session, |_| true), report)?;
+    let mut cli = parse(&from::expanded(arguments, &session, solid::has_flag), report)?;
+    if let (Some(Command::Render(mut picture)), Some(Command::Convert(args))) = (picture.command, &mut cli.command) {
+        from::complete(&mut picture, arguments, (path, &session), report)
+            .map_err(|message| failed(report, &message))?;
+        args.files = picture.files;
+        args.output = Some(output.to_owned());
+        args.look.camera = args.look.camera.or(picture.look.camera);
+        args.origin = picture.origin;
+    }
+    Ok(cli)
+}
+
+/// What is typed; an exit status if it says nothing to do.
+fn parse(arguments: &[OsString], report: &report::Report) -> Result<Cli, u8> {
+    Cli::try_parse_from(arguments).map_err(|error| {
+        let status = u8::try_from(error.exit_code()).unwrap_or(USAGE);
+        // Help into a closed pipe is no failure; help that finds no room is.
+        match error.print() {
+            Err(error) if status == 0 && error.kind() != std::io::ErrorKind::BrokenPipe => {
+                failed(report, &format!("cannot write -: {error}"))
+            }
+            _ => status,
+        }
+    })
+}
+
+fn failed(report: &report::Report, message: &str) -> u8 {
+    report.fail_with(message);
+    FAILED
+}
+
+fn session_at(path: &Path, report: &report::Report) -> Result<Session, u8> {
+    Session::read(path).map_err(|error| match error {
+        crate::Error::Io { .. } => failed(report, &error.to_string()),
+        error => failed(report, &format!("{}: {error}", path.display())),
+    })
 }
 
 /// Runs one input's work; a panic in it, which is a bug of ours, becomes an error like any other, so that it cannot

@@ -4,6 +4,7 @@
 //!   They are asked for one by one beforehand: as many as there are will do, and without any the first one works alone.
 //! - **Signals** (Unix). Ctrl+C, `kill` and a closed terminal end the program at once, by the signal, so that a shell sees 130, 143 or 129;
 //!   files that are not finished are taken away first. What the parent has told us to ignore (`nohup`) stays ignored.
+//! - **Stack** (Unix). The first thread has what the system gives it (`ulimit -s`); where that is little, another one does the work.
 //! - **File sizes** (Unix). A file that grows past `ulimit -f` is an error of that file, not the end of the program.
 
 use rayon::{ThreadBuilder, ThreadPoolBuilder};
@@ -18,6 +19,32 @@ pub(super) fn prepare() {
     make_threads();
     #[cfg(unix)]
     unix::watch_signals();
+}
+
+/// Stack of the first thread that is enough for all commands, in bytes: what Rust gives all other threads. (With 64 KiB reading the command
+/// line overflowed.)
+#[cfg(unix)]
+const STACK_ENOUGH: u64 = 2 << 20;
+
+/// Does `work` on this thread if its stack is large enough, else on one whose stack is; on this one as well if there are no threads.
+#[cfg(unix)]
+pub(super) fn on_stack_enough<T: Send>(work: impl Fn() -> T + Sync) -> T {
+    use rustix::process::{Resource, getrlimit};
+    if getrlimit(Resource::Stack).current.is_none_or(|bytes| bytes >= STACK_ENOUGH) {
+        return work();
+    }
+    let done = std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(STACK_ENOUGH as usize);
+        let started = thread.spawn_scoped(scope, &work).ok()?;
+        Some(started.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    });
+    done.unwrap_or_else(work)
+}
+
+/// Does `work`; the first thread's stack is as large as the program says (Windows).
+#[cfg(not(unix))]
+pub(super) fn on_stack_enough<T: Send>(work: impl Fn() -> T + Sync) -> T {
+    work()
 }
 
 /// Threads as asked for by `RAYON_NUM_THREADS`, else one a core.

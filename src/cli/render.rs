@@ -11,6 +11,7 @@ use crate::cli::args::Channel;
 use crate::crystal::Drawn;
 use crate::error::{Error, Result};
 use crate::import;
+use crate::render::cpu::simd::Level;
 use crate::render::{Choice, DeviceLimits, Quality, Renderer, Selection, Settings, View, crop, select, select_under};
 use crate::scene::{
     AltlocChoice, Aromatic, AtomPlace, Background, Camera, ColorBy, DepthOfField, Item, LabelContent, LightFrame, Look,
@@ -69,11 +70,22 @@ impl Drawer {
         }
     }
 
+    /// Picks the renderer.
+    fn choose(&mut self) -> Result<Selection> {
+        if let Some(reason) = super::memory::too_little_for_drivers().filter(|_| self.choice != Choice::Cpu) {
+            if self.choice == Choice::Gpu {
+                self.notices.push(format!("{reason}; the CPU renderer takes over"));
+            }
+            self.choice = Choice::Cpu;
+        }
+        select_under(self.choice, self.limits)
+    }
+
     /// The renderer and what it has loaded, brought up to date if it was not.
     fn ready(&mut self) -> Result<(&mut dyn Renderer, &Loaded)> {
         let selection = match self.selection.take() {
             Some(selection) => selection,
-            None => select_under(self.choice, self.limits)?,
+            None => self.choose()?,
         };
         let renderer = self.selection.insert(selection).renderer.as_mut();
         let loaded = self.loaded.as_ref().ok_or_else(|| Error::Unsupported("nothing was loaded".to_owned()))?;
@@ -174,7 +186,7 @@ impl Draw for Drawer {
     fn workers(&mut self) -> Option<Box<dyn Fn() -> Box<dyn Draw> + Sync>> {
         if self.selection.is_none() {
             // What goes wrong here does so at the first picture as well, and is said there.
-            self.selection = Some(select(self.choice).ok()?);
+            self.selection = Some(self.choose().ok()?);
         }
         let is_cpu = self.selection.as_ref().is_some_and(|selection| selection.renderer.name() == "cpu");
         let new = || -> Box<dyn Draw> { Box::new(Drawer::with(Choice::Cpu, DeviceLimits::Full)) };
@@ -442,7 +454,7 @@ pub(super) fn devices() -> Devices {
         Err(error) => Err(error.to_string()),
     };
     let note = (!cfg!(feature = "gpu")).then(|| "This ballstick was built without the GPU renderer.".to_owned());
-    Devices { adapters: adapters(), note, choice }
+    Devices { simd: Level::used().name(), adapters: adapters(), note, choice }
 }
 
 #[cfg(feature = "gpu")]

@@ -1,6 +1,7 @@
 //! `ballstick convert FILE… -o x.glb`: the scene that `render` would draw, as triangles for other programs.
 
 use super::args::{BondArgs, CrystalArgs, LookArgs, Named, SelectArgs};
+use super::from::Origin;
 use super::load::{LoadSeconds, load_as};
 use super::render::{Asked, overlay, scene_of};
 use super::report::Report;
@@ -10,6 +11,7 @@ use crate::error::Result;
 use crate::export::solid::{Coordinates, SolidFormat, SolidOptions, Source, TOLERANCES, Unit, Written, write};
 use crate::import::Format;
 use crate::import::trajectory::inputs;
+use crate::session::Session;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -24,14 +26,17 @@ bonds; glb, gltf, obj (with mtl), stl, ply hold what would be drawn, with the sa
 Examples:
   ballstick convert 1crn.pdb crambin.json
   ballstick convert 1crn.pdb -o crambin.glb --style licorice --color-by residue
-  ballstick convert quartz.cif -o quartz.stl --supercell 2x2x2 --scale 5";
+  ballstick convert quartz.cif -o quartz.stl --supercell 2x2x2 --scale 5
+  ballstick convert session.json -o figure.glb
+
+In STL each ball and stick is a closed shell that reaches into its neighbours; slicers unite them.";
 
 /// `ballstick convert`.
 #[derive(Debug, Clone, Args)]
 #[command(after_help = AFTER_CONVERT)]
 pub struct ConvertArgs {
     /// Molecule file, and without -o the file to write behind it; - is standard input and output. For meshes several, all into one
-    /// scene, as in render
+    /// scene, as in render; or one session, or picture that ballstick drew
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
     /// File to write; - is standard output [default: the last FILE]
@@ -58,6 +63,44 @@ pub struct ConvertArgs {
     /// Record and frame.
     #[command(flatten)]
     pub select: SelectArgs,
+    /// What of a session is no flag.
+    #[arg(skip)]
+    pub origin: Origin,
+}
+
+impl ConvertArgs {
+    /// What is read, and what is written; `None` if one of them is not named.
+    pub(super) fn places(&self) -> Option<(&[PathBuf], &Path)> {
+        match (&self.output, self.files.as_slice()) {
+            (Some(output), files) => Some((files, output)),
+            (None, [files @ .., output]) if !files.is_empty() => Some((files, output)),
+            _ => None,
+        }
+    }
+
+    /// The format of the mesh to write; `None` if it is none.
+    pub(super) fn solid_format(&self) -> Option<SolidFormat> {
+        match &self.to {
+            Some(name) => SolidFormat::from_name(name),
+            None => SolidFormat::from_path(self.places()?.1),
+        }
+    }
+
+    /// The session, or picture with one, that is to become a mesh, and that.
+    pub(super) fn session(&self) -> Option<(&Path, &Path)> {
+        match self.places()? {
+            ([file], output) if self.solid_format().is_some() && Session::is_at(file) => Some((file, output)),
+            _ => None,
+        }
+    }
+}
+
+/// Whether `convert` has this flag; the names have no dashes.
+pub(super) fn has_flag(name: &str) -> bool {
+    use clap::CommandFactory;
+    let command = super::args::Cli::command();
+    let convert = command.find_subcommand("convert");
+    convert.is_some_and(|convert| convert.get_arguments().any(|argument| argument.get_long() == Some(name)))
 }
 
 /// How meshes are written.
@@ -149,10 +192,13 @@ pub(super) fn run(
     }
     report.start(1);
     let mut drawn: Vec<(String, Drawn)> = Vec::new();
-    for input in inputs(files) {
+    for (index, input) in inputs(files).into_iter().enumerate() {
+        // Each file of a session has a frame of its own.
+        let frame = args.select.frame.or(args.origin.frames.get(index).copied());
+        let select = SelectArgs { frame, ..args.select };
         let load = || {
             let flags = (args.bonds, args.crystal);
-            load_as((&input, from), &args.select, flags, report, &mut LoadSeconds::default())
+            load_as((&input, from), &select, flags, report, &mut LoadSeconds::default())
         };
         match super::guarded(load) {
             Ok(loaded) => {
@@ -181,7 +227,7 @@ fn export(
     let (names, drawn): (Vec<String>, Vec<Drawn>) = drawn.into_iter().unzip();
     let mut notices = Vec::new();
     let meshes = overlay(&args.look, &mut notices)?;
-    let asked = Asked { look: &args.look, crystal: args.crystal, pose: None, meshes, side_by_side };
+    let asked = Asked { look: &args.look, crystal: args.crystal, pose: args.origin.pose, meshes, side_by_side };
     let (scene, notes) = scene_of(&drawn, asked)?;
     notices.extend(scene.unmatched.iter().map(|flag| format!("{flag}: there is no such atom")));
     notices.extend(texts(&args.look));

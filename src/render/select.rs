@@ -221,4 +221,41 @@ mod tests {
         assert_eq!(renderer.sky_visibility(&view, 4).unwrap().open, [1.0; 16]);
         assert_eq!((renderer.name().as_str(), renderer.take_notices().len()), ("cpu", 0));
     }
+
+    /// The device is destroyed under the renderer, as a driver's reset does; one that draws nothing is enough for that.
+    #[cfg(feature = "gpu")]
+    #[test]
+    fn a_device_that_is_destroyed_leaves_its_pictures_to_the_cpu() {
+        use crate::render::gpu::GpuRenderer;
+        let ball = b"1\n\nC 0 0 0\n";
+        let document = crate::import::read_bytes(ball, "c.xyz", &Default::default()).unwrap();
+        let items = [crate::scene::Item::of(&document.records[0])];
+        let scene = Arc::new(Scene::new(&items, &Default::default()));
+        let view = View::new(scene.fitted_camera(1.0), 16, 16);
+        let settings = Settings { samples: 1, ground_texels: 16, ao: 4, shadow: true };
+        let mut cpu = CpuRenderer::new();
+        cpu.load(Arc::clone(&scene)).unwrap();
+        let expected = cpu.image(&view, &settings).unwrap();
+        for moment in ["before the scene", "before the picture", "after a picture"] {
+            let (gpu, lose) = GpuRenderer::with_loss().unwrap();
+            let mut renderer = WithFallback::around(Box::new(gpu));
+            if moment == "before the scene" {
+                lose();
+            }
+            renderer.load(Arc::clone(&scene)).unwrap();
+            if moment == "before the picture" {
+                lose();
+            }
+            let first = renderer.image(&view, &settings).unwrap();
+            lose();
+            let second = renderer.image(&view, &settings).unwrap();
+            assert!(second == expected && (moment == "after a picture" || first == expected), "{moment}");
+            let notices = renderer.take_notices();
+            assert!(
+                matches!(notices.as_slice(), [said] if said.contains("lost") && said.contains("CPU renderer takes over")),
+                "{moment}: {notices:?}"
+            );
+            assert_eq!(renderer.name(), "cpu", "{moment}");
+        }
+    }
 }

@@ -152,6 +152,54 @@ fn a_session_is_drawn_like_its_picture() {
 }
 
 #[test]
+fn samples_are_named_like_files_in_every_command() {
+    let case = Case::new(&[]);
+    let info = case.run(&["info", "sample:caffeine"]).status(0);
+    assert!(info.out().contains("C8H10N4O2"), "{}", info.out());
+    for output in ["a.json", "a.glb"] {
+        case.run(&["convert", "sample:caffeine", output]).status(0);
+    }
+    case.run(&["render", "sample:caffeine", "-o", "a.png", "--size=16x12", "--quality=draft"]).status(0);
+    assert_eq!(case.names(""), ["a.glb", "a.json", "a.png"]);
+}
+
+#[test]
+fn a_session_becomes_the_mesh_of_what_it_shows() {
+    let case = Case::new(&[("water.xyz", WATER), ("frames.xyz", FRAMES)]);
+    let flags = ["--style=licorice", "--hide=index 3", "--color=element O=teal"];
+    case.run(
+        &[&["render", "water.xyz", "frames.xyz", "-o", "a.png", "--size=40x30", "--quality=draft"][..], &flags]
+            .concat(),
+    )
+    .status(0);
+    let mut session = ballstick::session::Session::read(&case.path("a.png")).unwrap();
+    let read = |name: &str| fs::read(case.path(name)).unwrap();
+    for format in ["glb", "obj", "ply"] {
+        let [picture, plain] = ["picture", "plain"].map(|name| format!("{name}.{format}"));
+        case.run(&["convert", "a.png", &picture]).status(0);
+        case.run(&[&["convert", "water.xyz", "frames.xyz", "-o", &plain][..], &flags].concat()).status(0);
+        let text = |name: &str| String::from_utf8_lossy(&read(name)).replace("picture.mtl", "plain.mtl");
+        assert!(text(&picture) == text(&plain), "{format}");
+    }
+    // Frames that no one flag can say, a flag that counts more than the session, and the camera.
+    session.files[1].frame = 3;
+    session.write(&case.path("s.json")).unwrap();
+    case.run(&["convert", "s.json", "-o", "third.ply"]).status(0);
+    assert!(read("third.ply") != read("plain.ply"));
+    case.run(&["convert", "s.json", "-o", "first.ply", "--frame=1"]).status(0);
+    assert!(read("first.ply") == read("plain.ply"));
+    case.run(&["convert", "a.png", "seen.ply", "--coordinates=picture"]).status(0);
+    let camera = session.camera.clone().unwrap();
+    let line = ["convert", "water.xyz", "frames.xyz", "-o", "asked.ply", "--coordinates=picture", "--camera", &camera];
+    case.run(&[&line[..], &flags].concat()).status(0);
+    assert!(read("seen.ply") == read("asked.ply"));
+    let error = case.run(&["convert", "s.json", "x.cif"]).status(1).err();
+    assert!(error.contains("s.json"), "{error}");
+    fs::remove_file(case.path("water.xyz")).unwrap();
+    assert!(case.run(&["convert", "s.json", "x.glb"]).status(1).err().contains("water.xyz"));
+}
+
+#[test]
 fn films_show_turns_and_frames_and_say_what_they_cannot() {
     let case = Case::new(&[("water.xyz", WATER), ("frames.xyz", FRAMES)]);
     let small = ["--size=32x24", "--quality=draft"];

@@ -4,11 +4,13 @@ use std::path::PathBuf;
 use std::process::Command;
 
 /// What is in the output of each with no arguments.
-const EXAMPLES: [(&str, &str); 7] = [
+const EXAMPLES: [(&str, &str); 9] = [
     ("bonds", "from file"),
     ("channels", "pixels"),
+    ("crystal", "2 × 2 × 2 cells: "),
     ("film", "turn.gif"),
     ("many_files", "2 of 3 files"),
+    ("mesh", " triangles"),
     ("picture", "picture.png by "),
     ("selection", "SG"),
     ("trajectory", "Å"),

@@ -335,6 +335,57 @@ fn any_number_of_threads_draws_the_same_bytes() {
     }
 }
 
+/// The widths differ in how many lanes an instruction takes, and in nothing else: the tolerance is none.
+#[test]
+fn any_width_of_vectors_draws_the_same_bytes() {
+    let place = Place::new();
+    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/data");
+    fs::copy(format!("{data}/1crn.pdb"), place.path("crambin.pdb")).unwrap();
+    fs::copy(format!("{data}/benzene.xyz"), place.path("benzene.xyz")).unwrap();
+    let level = |name: &str| {
+        let said = place.run(&format!("BALLSTICK_SIMD={name} ballstick devices"), 0);
+        let out = String::from_utf8(said.0.stdout).unwrap();
+        out.lines().next().unwrap().rsplit(' ').next().unwrap().to_owned()
+    };
+    assert_eq!(level("baseline"), "baseline");
+    let scenes = [
+        "crambin.pdb --size 160x120",
+        "crambin.pdb --size 160x120 --quality draft --projection orthographic --look outline",
+        "crambin.pdb --size 160x120 --samples 4 --style space-filling --depth-of-field 9 --fog 0.5",
+        "benzene.xyz --size 161x119 --background transparent --axes --light world",
+        "benzene.xyz --size 96x64 --channel normal",
+        "crambin.pdb --size 96x64 --channel ao",
+    ];
+    for scene in scenes {
+        let draw = |level: &str| {
+            let line = format!("BALLSTICK_SIMD={level} ballstick render {scene} -o {level}.png --renderer cpu");
+            place.run(&line, 0);
+            fs::read(place.path(&format!("{level}.png"))).unwrap()
+        };
+        let plain = draw("baseline");
+        for name in ["avx2", "avx512"] {
+            if level(name) == name {
+                assert!(draw(name) == plain, "{scene} with {name}");
+            } else {
+                println!("SKIP: the machine has no {name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_small_stack_is_enough() {
+    let place = Place::new();
+    for line in [
+        format!("render methane.xyz -o a.png {QUICK}"),
+        "info methane.xyz".to_owned(),
+        "convert methane.xyz a.glb".to_owned(),
+        "render --help".to_owned(),
+    ] {
+        place.run(&format!("ulimit -s 64 && ballstick {line}"), 0);
+    }
+}
+
 #[test]
 fn too_little_memory_is_said_before_it_is_used_up() {
     let place = Place::new();
@@ -548,4 +599,8 @@ fn a_weak_device_or_none_draws_the_picture_and_says_who_did() {
         none.err()
     );
     assert!(draw("--renderer cpu --limits downlevel").contains("\"renderer\":\"cpu\""));
+    // Drivers do not survive this.
+    let line = "ballstick render methane.xyz -o c.png --size 64x48 --quality draft --renderer gpu";
+    let little = place.run(&format!("ulimit -v 700000 2>/dev/null || exit 77; {line}"), 0).err();
+    assert!(little.contains("ulimit -v") && little.contains("the CPU renderer takes over"), "{little}");
 }

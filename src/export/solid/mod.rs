@@ -6,8 +6,10 @@
 //!
 //! - GLB and glTF (`gltf`): every mesh once, and where its instances stand (`EXT_mesh_gpu_instancing`), or for importers without that plain
 //!   meshes ([`SolidOptions::compat`]); physically based materials; names of atoms and residues as extras.
-//! - OBJ (`obj`): a group for each residue, materials in an MTL file beside it.
-//! - STL (`stl`): every primitive a closed shell. Shells overlap where sticks end in balls and are not united: slicers do that.
+//! - OBJ (`obj`): a group for each residue, materials in an MTL file beside it. Its colours are sRGB, as most programs read them; Blender takes
+//!   them for linear and shows them paler (it shows GLB and PLY as they are).
+//! - STL (`stl`): every primitive a closed shell, facing outwards. Shells overlap where sticks end in balls and are not united: slicers unite
+//!   closed shells, by the rule that what is inside any of them is solid, and an exact union of thousands would change nothing in the print.
 //! - PLY (`ply`): one mesh with a colour at each vertex.
 //!
 //! Coordinates are those of the molecules' files in ångström, so that a file can be laid over the same molecule; STL is in millimetres.

@@ -17,7 +17,7 @@ mod reach;
 pub mod reference;
 mod shade;
 mod shader;
-mod simd;
+pub mod simd;
 mod small;
 mod source;
 mod tile;

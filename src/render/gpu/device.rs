@@ -112,11 +112,12 @@ impl Gpu {
         ];
         // Callbacks run in polls only: without one a loss would show a step late.
         self.poll(wgpu::PollType::Poll).ok();
-        if let Some(error) = errors.into_iter().flatten().next() {
-            return Err(Error::Gpu(format!("{what}: {error}")));
-        }
+        // A lost device refuses all that is made on it: the loss is what to tell.
         self.trouble.check()?;
-        done
+        match errors.into_iter().flatten().next() {
+            Some(error) => Err(failure(what, &error)),
+            None => done,
+        }
     }
 
     /// A command encoder, filled and submitted.
@@ -221,6 +222,14 @@ impl Gpu {
     }
 }
 
+/// What the device refused, in words.
+fn failure(what: &str, error: &wgpu::Error) -> Error {
+    match error {
+        wgpu::Error::OutOfMemory { .. } => Error::Gpu(format!("{what}: the device is out of memory")),
+        error => Error::Gpu(format!("{what}: {error}")),
+    }
+}
+
 /// All of a texture.
 pub(super) fn view_of(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor::default())
@@ -248,6 +257,12 @@ mod tests {
         let message = make(1 << 20).unwrap_err().to_string();
         assert!(message.contains("making a texture"), "{message}");
         assert!(make(16).is_ok());
+    }
+
+    #[test]
+    fn a_device_out_of_memory_is_an_error_like_any_other() {
+        let error = failure("drawing", &wgpu::Error::OutOfMemory { source: "the driver says so".into() });
+        assert!(matches!(&error, Error::Gpu(said) if said == "drawing: the device is out of memory"), "{error}");
     }
 
     #[test]

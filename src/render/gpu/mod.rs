@@ -179,6 +179,14 @@ impl GpuRenderer {
         self.gpu.device.destroy();
     }
 
+    /// A renderer that draws nothing, and what destroys its device while something else has the renderer.
+    #[cfg(test)]
+    pub(crate) fn with_loss() -> Result<(GpuRenderer, impl Fn())> {
+        let renderer = GpuRenderer::noop(&wgpu::Limits::downlevel_webgl2_defaults())?;
+        let device = renderer.gpu.device.clone();
+        Ok((renderer, move || device.destroy()))
+    }
+
     /// The loaded scene, or an empty one.
     fn scene(&self) -> Arc<Scene> {
         self.scene.clone().unwrap_or_else(|| Arc::new(Scene::from_blocks(Vec::new(), Vec::new())))
