@@ -1,10 +1,20 @@
 //! Undo and redo: whole states of the work, which share what is large.
+//!
+//! Molecules that were closed, or read again, stay as long as a step has them; so that a window in which one file after the other is looked
+//! at does not grow, there are never more than [`MOST_CLOSED`] of them, nor more than [`MOST_BYTES`] but for the last.
 
 use super::work::Work;
+use crate::import::Document;
+use crate::structure::Structure;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Steps that are kept; what they hold of molecules is shared, so that only closed files cost memory.
 const MOST_STEPS: usize = 200;
+/// Closed molecules that undo can bring back (chosen: more than anybody goes back to).
+const MOST_CLOSED: usize = 8;
+/// What they may take together; the one closed last may take more.
+const MOST_BYTES: usize = 256 << 20;
 /// Changes of one kind are one step if no more than this lies between them (chosen: a pause that is felt as one).
 const PAUSE: Duration = Duration::from_millis(700);
 
@@ -34,7 +44,32 @@ impl History {
             if self.past.len() > MOST_STEPS {
                 self.past.remove(0);
             }
+            self.forget_closed();
         }
+    }
+
+    /// Drops the oldest steps, if those have too many molecules that are not open any more.
+    fn forget_closed(&mut self) {
+        let (mut closed, mut bytes) = (0, 0);
+        let Some((newest, older)) = self.past.split_last() else { return };
+        let mut known: Vec<*const Document> = newest.work.layers.iter().map(|l| Arc::as_ptr(&l.document)).collect();
+        let mut first = 0;
+        'steps: for (index, step) in older.iter().enumerate().rev() {
+            for layer in &step.work.layers {
+                let document = Arc::as_ptr(&layer.document);
+                if known.contains(&document) {
+                    continue;
+                }
+                known.push(document);
+                closed += 1;
+                bytes += layer.document.records.iter().map(Structure::memory).sum::<usize>();
+                if closed > MOST_CLOSED || (closed > 1 && bytes > MOST_BYTES) {
+                    first = index + 1;
+                    break 'steps;
+                }
+            }
+        }
+        self.past.drain(..first);
     }
 
     /// What undo and redo would undo and redo.

@@ -23,6 +23,7 @@ mod history;
 mod loader;
 mod mouse;
 mod navigate;
+mod pace;
 mod paint;
 mod picking;
 mod pictures;
@@ -31,6 +32,7 @@ mod screen;
 mod selecting;
 mod sessions;
 mod state;
+mod timings;
 mod ui;
 mod watch;
 mod window;
@@ -66,14 +68,24 @@ pub struct Options {
     pub viewpoint: Option<Viewpoint>,
     /// The first of the files, if it was read already: standard input can be read only once.
     pub first: Option<Arc<Document>>,
+    /// Whether what the window does is counted and timed.
+    pub timings: bool,
 }
 
-/// Opens a window on files (molecules, or a session), or one that shows how to open some, and returns when it is closed: what could not be
-/// opened at the start.
+/// What there is to say when the window has been closed.
+#[derive(Debug, Clone, Default)]
+pub struct Ended {
+    /// What could not be opened at the start.
+    pub failures: Vec<String>,
+    /// Counts and durations as one JSON object, if they were asked for.
+    pub timings: Option<String>,
+}
+
+/// Opens a window on files (molecules, or a session), or one that shows how to open some, and returns when it is closed.
 ///
 /// # Errors
 /// If there is no display (the message names the `render` command), if none of the files can be read and all are small, or if the window
 /// fails.
-pub fn run(files: Vec<PathBuf>, options: Options) -> Result<Vec<String>> {
+pub fn run(files: Vec<PathBuf>, options: Options) -> Result<Ended> {
     window::run(files, options)
 }

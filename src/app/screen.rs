@@ -6,8 +6,10 @@
 //! and says so.
 
 use super::build::Waker;
+use super::pace::Pace;
 use super::paint::{Canvas, Painter, PxRect, pixel_of};
 use super::state::State;
+use super::timings::{Stage, Timings};
 use super::worker::{Frame, Job, Worker};
 use crate::error::{Error, Result};
 use crate::render::{Choice, Settings, View};
@@ -15,7 +17,7 @@ use egui::TexturesDelta;
 use egui::epaint::ClippedPrimitive;
 use std::num::NonZeroU32;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use winit::window::Window;
 
 /// What egui wants to be seen.
@@ -95,31 +97,41 @@ struct GpuScreen {
     /// Samples of a version that are in the picture.
     done: (u64, u32),
     size_px: [u32; 2],
+    /// Pictures until a test has the device destroyed.
+    lose_in: Option<u32>,
 }
+
+/// The variable by which tests have the device destroyed before a picture of this number: what a driver that is reset does to a window.
+#[cfg(feature = "gpu")]
+const LOSE_DEVICE: &str = "BALLSTICK_LOSE_DEVICE";
 
 struct CpuScreen {
     surface: softbuffer::Surface<Arc<Window>, Arc<Window>>,
     worker: Worker,
     /// The version last posted, and whether its fine picture was.
     posted: (u64, bool),
-    /// Whether a picture in motion was posted, and has not come.
-    is_moving: bool,
+    /// The picture in motion that was posted last, until it has come.
+    awaited: Option<u64>,
+    /// How long the last picture in motion took.
+    took: Duration,
     /// The version whose coarse picture is on the screen.
     coarse: u64,
     /// The picture on the screen.
     shown: Option<Frame>,
+    /// Whether it is not on the screen yet.
+    has_new: bool,
     /// The size of the window when it was last painted.
     size_px: [u32; 2],
     /// What was painted in the last frame, for buffers that are two frames old.
     last_damage: Vec<PxRect>,
-    /// Pixels of a picture in motion are this many times larger when the machine cannot keep up.
-    coarseness: u32,
+    /// How coarse pictures in motion are.
+    pace: Pace,
 }
 
 /// Samples and ground texels of a picture in motion.
 const IN_MOTION: Settings = Settings { samples: 1, ground_texels: 96, ao: 0, shadow: false };
-/// A frame in motion that takes longer than this is made coarser next time, one under a quarter of it finer (seconds).
-const SLOW_FRAME: f64 = 0.060;
+/// The mouse is looked at so often while it is not known when a picture will be finished.
+const IN_BETWEEN: Duration = Duration::from_millis(4);
 
 impl Screen {
     /// A screen, and what there is to say of it.
@@ -134,12 +146,22 @@ impl Screen {
         Ok((Screen { kind, window, wake, notice: None }, notice))
     }
 
-    /// Whether a picture in motion is on its way: what has changed meanwhile can be seen only after it.
-    pub(super) fn is_moving(&self) -> bool {
+    /// As long as a picture in motion is on its way: when to ask for the next one. That is `lead` before it will be finished: so the next begins at
+    /// once, and shows the newest there is.
+    pub(super) fn next_wish(&self, lead: Duration) -> Option<Instant> {
         match &self.kind {
             #[cfg(feature = "gpu")]
-            Kind::Gpu(_) => false,
-            Kind::Cpu(cpu) => cpu.is_moving,
+            Kind::Gpu(_) => None,
+            Kind::Cpu(cpu) => cpu.next_wish(lead),
+        }
+    }
+
+    /// Takes what was drawn meanwhile.
+    pub(super) fn collect(&mut self, timings: &mut Timings) {
+        match &mut self.kind {
+            #[cfg(feature = "gpu")]
+            Kind::Gpu(_) => {}
+            Kind::Cpu(cpu) => cpu.collect(timings),
         }
     }
 
@@ -149,12 +171,12 @@ impl Screen {
     }
 
     /// Brings the window up to date; whether it should be called again at once.
-    pub(super) fn draw(&mut self, state: &State, interface: &mut Interface) -> Result<bool> {
+    pub(super) fn draw(&mut self, state: &State, interface: &mut Interface, timings: &mut Timings) -> Result<bool> {
         let size = self.window.inner_size();
         let size = [size.width, size.height];
         match &mut self.kind {
             #[cfg(feature = "gpu")]
-            Kind::Gpu(gpu) => match gpu.draw(state, interface, size) {
+            Kind::Gpu(gpu) => match gpu.draw(state, interface, size, timings) {
                 Ok(more) => Ok(more),
                 Err(error) => {
                     self.notice = Some(format!("{error}; the CPU renderer takes over"));
@@ -163,7 +185,10 @@ impl Screen {
                     Ok(true)
                 }
             },
-            Kind::Cpu(cpu) => cpu.draw(state, interface, size).map(|()| false),
+            Kind::Cpu(cpu) => {
+                timings.drawn_by("cpu");
+                cpu.draw(state, interface, size, timings).map(|()| false)
+            }
         }
     }
 }
@@ -184,7 +209,8 @@ fn gpu_screen(window: &Arc<Window>, choice: Choice) -> Result<Option<Kind>> {
     let size = window.inner_size();
     let size_px = [size.width.max(1), size.height.max(1)];
     let (renderer, surface) = GpuRenderer::for_window(Arc::clone(window), size_px, wish)?;
-    Ok(Some(Kind::Gpu(Box::new(GpuScreen { renderer, surface, done: (0, 0), size_px }))))
+    let lose_in = std::env::var(LOSE_DEVICE).ok().and_then(|number| number.parse().ok());
+    Ok(Some(Kind::Gpu(Box::new(GpuScreen { renderer, surface, done: (0, 0), size_px, lose_in }))))
 }
 
 #[cfg(not(feature = "gpu"))]
@@ -197,9 +223,20 @@ fn gpu_screen(_window: &Arc<Window>, choice: Choice) -> Result<Option<Kind>> {
 
 #[cfg(feature = "gpu")]
 impl GpuScreen {
-    fn draw(&mut self, state: &State, interface: &mut Interface, size_px: [u32; 2]) -> Result<bool> {
+    fn draw(
+        &mut self,
+        state: &State,
+        interface: &mut Interface,
+        size_px: [u32; 2],
+        timings: &mut Timings,
+    ) -> Result<bool> {
         use crate::render::Renderer as _;
         use crate::render::gpu::UserInterface;
+        let began = Instant::now();
+        self.lose_in = self.lose_in.map(|pictures| pictures.saturating_sub(1));
+        if self.lose_in == Some(0) {
+            self.renderer.lose_device();
+        }
         let size_px = size_px.map(|side| side.max(1));
         if size_px != self.size_px {
             self.renderer.resize(&mut self.surface, size_px);
@@ -228,6 +265,9 @@ impl GpuScreen {
         self.renderer.load(Arc::clone(&state.built.scene))?;
         self.renderer.present(&mut self.surface, &state.view(), settings, done, add, over)?;
         self.done.1 += add;
+        timings.spent(Stage::Present, began.elapsed());
+        timings.drawn_by("gpu");
+        timings.presented((add > 0).then_some((state.version, is_at_rest)));
         Ok(is_at_rest && self.done.1 <= samples)
     }
 }
@@ -246,39 +286,52 @@ impl CpuScreen {
             surface,
             worker,
             posted: (0, false),
-            is_moving: false,
+            awaited: None,
+            took: Duration::ZERO,
+            has_new: false,
             coarse: 0,
             shown: None,
             size_px: [0; 2],
             last_damage: Vec::new(),
-            coarseness: 1,
+            pace: Pace::default(),
         })
     }
 
-    fn draw(&mut self, state: &State, interface: &mut Interface, size: [u32; 2]) -> Result<()> {
-        let has_new = self.exchange(state);
-        self.paint(interface, size, has_new, state)
+    fn draw(&mut self, state: &State, interface: &mut Interface, size: [u32; 2], timings: &mut Timings) -> Result<()> {
+        self.collect(timings);
+        self.wish(state);
+        self.paint(interface, size, state, timings)
     }
 
-    /// Takes a finished picture and asks for the next one; whether there is a new one.
-    fn exchange(&mut self, state: &State) -> bool {
-        let view = state.view();
-        let mut has_new = false;
-        if let Some(frame) = self.worker.take_frame() {
-            if !frame.fine {
-                self.coarseness = match frame.seconds {
-                    slow if slow > SLOW_FRAME => (self.coarseness + 1).min(4),
-                    fast if fast < SLOW_FRAME * 0.25 => (self.coarseness - 1).max(1),
-                    _ => self.coarseness,
-                };
-            }
-            if !frame.fine {
-                self.coarse = frame.version;
-                self.is_moving = false;
-            }
-            has_new = true;
-            self.shown = Some(frame);
+    fn next_wish(&self, lead: Duration) -> Option<Instant> {
+        self.awaited?;
+        // Until a finished picture is given up that is being drawn, or while the next one has been asked for already.
+        let soon = || Instant::now() + IN_BETWEEN;
+        Some(self.worker.moving_since().map_or_else(soon, |since| since + self.took.saturating_sub(lead)))
+    }
+
+    /// Takes a finished picture.
+    fn collect(&mut self, timings: &mut Timings) {
+        let Some(frame) = self.worker.take_frame() else { return };
+        let took = frame.drawn - frame.begun;
+        if frame.fine {
+            timings.spent(Stage::Still, took);
+        } else {
+            timings.spent(Stage::Wait, frame.begun - frame.posted);
+            timings.spent(Stage::Render, took);
+            timings.spent(Stage::Wake, frame.drawn.elapsed());
+            self.took = took;
+            self.pace.took(took.as_secs_f32());
+            self.coarse = frame.version;
+            self.awaited = self.awaited.filter(|&version| version != frame.version);
         }
+        self.has_new = true;
+        self.shown = Some(frame);
+    }
+
+    /// Asks for the next picture.
+    fn wish(&mut self, state: &State) {
+        let view = state.view();
         let job = |settings: Settings, may_stop, drawn: View| Job {
             scene: Arc::clone(&state.built.scene),
             view: drawn,
@@ -286,17 +339,18 @@ impl CpuScreen {
             settings,
             may_stop,
             version: state.version,
+            posted: Instant::now(),
         };
         if state.work.layers.is_empty() {
             // The start page covers it, and what is opened next must not begin with it.
-            self.shown = None;
+            (self.shown, self.awaited) = (None, None);
             self.posted = (state.version, true);
         } else if self.posted.0 != state.version {
-            let coarse = (view.width / self.coarseness, view.height / self.coarseness);
+            let coarser = |number: u32| ((number as f32 / self.pace.coarseness()).round() as u32).max(1);
             // The light on the ground costs as its texels.
-            let motion = Settings { ground_texels: IN_MOTION.ground_texels / self.coarseness, ..IN_MOTION };
-            self.worker.post(job(motion, false, View::new(view.camera, coarse.0, coarse.1)));
-            (self.posted, self.is_moving) = ((state.version, false), true);
+            let motion = Settings { ground_texels: coarser(IN_MOTION.ground_texels), ..IN_MOTION };
+            self.worker.post(job(motion, false, View::new(view.camera, coarser(view.width), coarser(view.height))));
+            (self.posted, self.awaited) = ((state.version, false), Some(state.version));
         } else if !self.posted.1
             && self.coarse == state.version
             && state.until_rest(Instant::now()).is_some_and(|rest| rest.is_zero())
@@ -304,11 +358,10 @@ impl CpuScreen {
             self.worker.post(job(state.fine(state.work.quality), true, view));
             self.posted = (state.version, true);
         }
-        has_new
     }
 
     /// Paints what changed.
-    fn paint(&mut self, interface: &mut Interface, size: [u32; 2], has_new: bool, state: &State) -> Result<()> {
+    fn paint(&mut self, interface: &mut Interface, size: [u32; 2], state: &State, timings: &mut Timings) -> Result<()> {
         let failed = |error: softbuffer::SoftBufferError| {
             Error::Unsupported(format!("the window takes no more pictures: {error}"))
         };
@@ -318,6 +371,7 @@ impl CpuScreen {
         let place = interface.view_px(size);
         interface.textures.clear();
         let mut damage = interface.painter.damage(&interface.primitives, interface.scale, canvas_size);
+        let has_new = std::mem::take(&mut self.has_new);
         if has_new {
             place.add_to(&mut damage);
         }
@@ -328,8 +382,10 @@ impl CpuScreen {
         if damage.is_empty() {
             return Ok(());
         }
+        let began = Instant::now();
         self.surface.resize(width, height).map_err(failed)?;
         let mut buffer = self.surface.buffer_mut().map_err(failed)?;
+        let ready = Instant::now();
         let mut stale = damage.clone();
         match buffer.age() {
             1 => {}
@@ -355,7 +411,13 @@ impl CpuScreen {
         };
         let rects: Vec<softbuffer::Rect> = stale.iter().filter_map(rect_of).collect();
         self.last_damage = damage;
-        buffer.present_with_damage(&rects).map_err(failed)
+        let painted = Instant::now();
+        buffer.present_with_damage(&rects).map_err(failed)?;
+        timings.spent(Stage::Paint, painted - ready);
+        timings.spent(Stage::Present, painted.elapsed() + (ready - began));
+        let picture = self.shown.as_ref().filter(|_| has_new);
+        timings.presented(picture.map(|frame| (frame.version, frame.fine)));
+        Ok(())
     }
 }
 
@@ -364,19 +426,17 @@ fn background(canvas: &mut Canvas<'_>, rect: PxRect, place: PxRect, shown: Optio
     let width = canvas.size[0];
     for y in rect.top..rect.bottom {
         let row = &mut canvas.pixels[y * width + rect.left..y * width + rect.right];
-        let line = shown.and_then(|frame| frame.row(y.checked_sub(place.top)?));
-        let Some(line) = line else {
+        let (Some(frame), Some(line)) = (shown, y.checked_sub(place.top)) else {
             row.fill(color);
             continue;
         };
         // The row's part in the picture's place; what of the picture is left of it.
-        let (start, end) = (rect.left.max(place.left), rect.right.min(place.right).min(place.left + line.len()));
-        if start >= end {
+        let (start, end) = (rect.left.max(place.left), rect.right.min(place.right).min(place.left + frame.width()));
+        if start >= end || !frame.copy_row(line, start - place.left, &mut row[start - rect.left..end - rect.left]) {
             row.fill(color);
             continue;
         }
         row[..start - rect.left].fill(color);
-        row[start - rect.left..end - rect.left].copy_from_slice(&line[start - place.left..end - place.left]);
         row[end - rect.left..].fill(color);
     }
 }

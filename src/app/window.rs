@@ -7,7 +7,8 @@ use super::files::Dialogs;
 use super::preferences::Preferences;
 use super::screen::{Interface, Screen};
 use super::state::{Request, State};
-use super::{Options, ui, watch};
+use super::timings::{Stage, Timings};
+use super::{Ended, Options, ui, watch};
 use crate::error::{Error, Result};
 use crate::import::trajectory::{inputs, is_trajectory};
 use crate::session::Session;
@@ -50,7 +51,7 @@ fn bytes_of(file: &Path) -> u64 {
 /// reading and 20 of bonds), and one that cannot be read is said on the terminal.
 const BEFORE_OPENING: u64 = 2 << 20;
 
-pub(super) fn run(files: Vec<PathBuf>, options: Options) -> Result<Vec<String>> {
+pub(super) fn run(files: Vec<PathBuf>, options: Options) -> Result<Ended> {
     // What winit says of it names its own source files; what helps is which display was tried.
     let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(|_| {
         let named = |name: &str| std::env::var_os(name).map(|value| format!("{name}={}", value.display()));
@@ -67,6 +68,7 @@ pub(super) fn run(files: Vec<PathBuf>, options: Options) -> Result<Vec<String>> 
         // The loop is gone only when the window is closing.
         let _ = waker.send_event(Wake::Work);
     });
+    let is_timed = options.timings;
     let mut state = State::new(options, Preferences::of_user(), Arc::clone(&wake));
     // Of trajectories one frame is read at first.
     let molecules = files.iter().filter(|file| !is_trajectory(file));
@@ -94,7 +96,7 @@ pub(super) fn run(files: Vec<PathBuf>, options: Options) -> Result<Vec<String>> 
     let failures = errors(&state);
     // A session may still wait for its meshes.
     if is_small && is_some && state.work.layers.is_empty() && state.opening.is_none() {
-        return Ok(failures);
+        return Ok(Ended { failures, timings: None });
     }
     let egui_ctx = egui::Context::default();
     ui::theme::set_up(&egui_ctx);
@@ -109,16 +111,20 @@ pub(super) fn run(files: Vec<PathBuf>, options: Options) -> Result<Vec<String>> 
         wake,
         next_frame: None,
         stale: true,
+        took: Duration::ZERO,
         failure: None,
+        first_event: None,
+        timings: Timings::new(is_timed),
     };
     event_loop.set_control_flow(ControlFlow::Wait);
     event_loop.run_app(&mut app).map_err(|error| Error::Unsupported(format!("the window failed: {error}")))?;
-    app.failure.map_or(Ok(failures), Err)
+    let timings = app.timings.line();
+    app.failure.map_or(Ok(Ended { failures, timings }), Err)
 }
 
-/// Steps of the mouse wait no longer than this for the picture that is being drawn (chosen: as long as one in motion may take before the next is
-/// made coarser).
-const LATEST: Duration = Duration::from_millis(60);
+/// What the next picture in motion shows is settled so long before the last one will be finished, beside what settling takes (chosen: by so much
+/// drawing the same again varies).
+const SPARE: Duration = Duration::from_millis(1);
 
 /// What there is once the window is open.
 struct Open {
@@ -142,7 +148,12 @@ struct App {
     next_frame: Option<Instant>,
     /// Whether the interface has to be shown anew, and not only the picture.
     stale: bool,
+    /// How long showing it took last.
+    took: Duration,
     failure: Option<Error>,
+    /// When the first of the events came that the interface has not been shown.
+    first_event: Option<Instant>,
+    timings: Timings,
 }
 
 impl App {
@@ -180,6 +191,7 @@ impl App {
     /// Shows the interface anew and notes what it asks for.
     fn show_interface(&mut self, event_loop: &ActiveEventLoop) {
         let Some(open) = &mut self.open else { return };
+        let (began, version) = (Instant::now(), self.state.version);
         let input = open.egui.take_egui_input(&open.window);
         let (state, memory) = (&mut self.state, &mut self.memory);
         state.poll();
@@ -203,12 +215,19 @@ impl App {
         if let Some(rest) = self.state.until_rest(Instant::now()).filter(|rest| !rest.is_zero()) {
             next = Some(next.map_or(rest.as_secs_f64(), |next| next.min(rest.as_secs_f64())));
         }
+        self.took = began.elapsed();
         self.next_frame = next.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds));
         let title = self.state.title();
         if title != open.title {
             open.window.set_title(&title);
             open.title = title;
         }
+        if let Some(since) = self.first_event.take()
+            && self.state.version != version
+        {
+            self.timings.awaits(self.state.version, since);
+        }
+        self.timings.spent(Stage::Interface, self.took);
         for request in std::mem::take(&mut self.state.requests) {
             match request {
                 Request::Open => self.dialogs.open(),
@@ -225,13 +244,19 @@ impl App {
     }
 
     fn draw(&mut self, event_loop: &ActiveEventLoop) {
+        if let Some(open) = &mut self.open {
+            open.screen.collect(&mut self.timings);
+        }
         let is_due = self.next_frame.is_some_and(|at| at <= Instant::now());
         if std::mem::take(&mut self.stale) || is_due {
             self.show_interface(event_loop);
         }
         let Some(open) = &mut self.open else { return };
-        match open.screen.draw(&self.state, &mut open.interface) {
+        match open.screen.draw(&self.state, &mut open.interface, &mut self.timings) {
             Ok(again) => {
+                // What moves by itself in the interface moves with the pictures, and not more often.
+                let wish = open.screen.next_wish(self.took + SPARE);
+                self.next_frame = self.next_frame.map(|at| wish.map_or(at, |wish| at.max(wish)));
                 if again {
                     open.window.request_redraw(); // the picture still gets better
                 }
@@ -320,14 +345,13 @@ impl ApplicationHandler<Wake> for App {
             open.interface.forget();
         }
         if open.egui.on_window_event(&open.window, &event).repaint {
-            if matches!(event, WindowEvent::CursorMoved { .. }) && open.screen.is_moving() {
-                // A mouse tells of every step. They are taken together when the picture comes that is being drawn.
-                let latest = Instant::now() + LATEST;
-                self.next_frame = Some(self.next_frame.map_or(latest, |at| at.min(latest)));
-                self.stale = true;
-                return;
+            self.first_event.get_or_insert_with(Instant::now);
+            let wish = open.screen.next_wish(self.took + SPARE);
+            match wish.filter(|_| matches!(event, WindowEvent::CursorMoved { .. })) {
+                // A mouse tells of every step. They are taken together when the picture will soon come that is being drawn.
+                Some(wish) => self.next_frame = Some(self.next_frame.map_or(wish, |at| at.min(wish))),
+                None => self.refresh(),
             }
-            self.refresh();
         }
     }
 

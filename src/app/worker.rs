@@ -9,6 +9,7 @@ use crate::scene::Scene;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Instant;
 
 /// A picture to draw.
 #[derive(Clone)]
@@ -22,25 +23,82 @@ pub(super) struct Job {
     pub(super) may_stop: bool,
     /// Counts changes of the view; a frame says which one it shows.
     pub(super) version: u64,
+    /// When it was asked for.
+    pub(super) posted: Instant,
 }
 
 /// A finished picture, as the window shows it.
 pub(super) struct Frame {
-    /// `0x00RRGGBB`, laid on white where it is transparent.
-    pixels: Vec<u32>,
+    image: Image,
     size: [u32; 2],
+    /// Where the picture has the pixels of a row of the window, if it is not as wide.
+    columns: Option<Vec<usize>>,
     pub(super) version: u64,
     /// Whether it was the fine one.
     pub(super) fine: bool,
-    /// Seconds it took.
-    pub(super) seconds: f64,
+    /// When it was asked for, begun, and finished.
+    pub(super) posted: Instant,
+    pub(super) begun: Instant,
+    pub(super) drawn: Instant,
+}
+
+/// The nearest of `from_size` pixels to one of `to_size`.
+fn nearest(to: u32, to_size: u32, from_size: u32) -> usize {
+    (u64::from(to) * u64::from(from_size) / u64::from(to_size.max(1))) as usize
+}
+
+/// A pixel of the window, `0x00RRGGBB`, on white where the picture is transparent.
+fn on_white([r, g, b, a]: [u8; 4]) -> u32 {
+    if a == 0xFF {
+        return u32::from_be_bytes([0, r, g, b]);
+    }
+    let on_white = |c: u8| (u32::from(c) * u32::from(a) + 255 * (255 - u32::from(a)) + 127) / 255;
+    on_white(r) << 16 | on_white(g) << 8 | on_white(b)
 }
 
 impl Frame {
-    /// A row of pixels.
-    pub(super) fn row(&self, y: usize) -> Option<&[u32]> {
-        let width = self.size[0] as usize;
-        self.pixels.get(y * width..(y + 1) * width)
+    fn new(image: Image, job: &Job, begun: Instant) -> Frame {
+        let [width, _] = job.size;
+        let columns = (image.width != width).then(|| (0..width).map(|x| nearest(x, width, image.width)).collect());
+        let (version, fine, posted, drawn) = (job.version, job.may_stop, job.posted, Instant::now());
+        Frame { image, size: job.size, columns, version, fine, posted, begun, drawn }
+    }
+
+    /// How wide it is shown, pixels of the window.
+    pub(super) fn width(&self) -> usize {
+        self.size[0] as usize
+    }
+
+    /// Writes row `y` of the window's pixels, from column `x` on, as far as `pixels` go; false below the picture. `x` and what is written must lie
+    /// within its width.
+    pub(super) fn copy_row(&self, y: usize, x: usize, pixels: &mut [u32]) -> bool {
+        let Some(y) = u32::try_from(y).ok().filter(|&y| y < self.size[1]) else { return false };
+        let width = self.image.width as usize;
+        let start = nearest(y, self.size[1], self.image.height) * width;
+        let texels: &[[u8; 4]] = bytemuck::cast_slice(&self.image.rgba);
+        let Some(line) = texels.get(start..start + width) else { return false };
+        match &self.columns {
+            None => {
+                let Some(line) = line.get(x..x + pixels.len()) else { return false };
+                // Nearly all pictures are opaque: then this is a turning of bytes, many pixels at once.
+                let mut all = u32::MAX;
+                for (pixel, &texel) in pixels.iter_mut().zip(line) {
+                    let abgr = u32::from_le_bytes(texel);
+                    *pixel = (abgr & 0xFF) << 16 | abgr & 0xFF00 | abgr >> 16 & 0xFF;
+                    all &= abgr;
+                }
+                if all >> 24 != 0xFF {
+                    pixels.iter_mut().zip(line).for_each(|(pixel, &texel)| *pixel = on_white(texel));
+                }
+            }
+            Some(columns) => {
+                let Some(columns) = columns.get(x..x + pixels.len()) else { return false };
+                for (pixel, &column) in pixels.iter_mut().zip(columns) {
+                    *pixel = line.get(column).map_or(0, |&texel| on_white(texel));
+                }
+            }
+        }
+        true
     }
 }
 
@@ -55,6 +113,8 @@ struct Shared {
 struct State {
     job: Option<Job>,
     frame: Option<Frame>,
+    /// When the picture in motion was begun that is being drawn.
+    begun: Option<Instant>,
     closing: bool,
 }
 
@@ -87,6 +147,12 @@ impl Worker {
         self.shared.wake.notify_one();
     }
 
+    /// When the picture in motion was begun that is being drawn, as long as no other one waits for it.
+    pub(super) fn moving_since(&self) -> Option<Instant> {
+        let state = lock(&self.shared);
+        state.begun.filter(|_| state.job.is_none())
+    }
+
     /// The newest finished picture, once.
     pub(super) fn take_frame(&self) -> Option<Frame> {
         lock(&self.shared).frame.take()
@@ -116,46 +182,29 @@ fn run(shared: &Shared, notify: &dyn Fn()) {
                 }
                 if let Some(job) = state.job.take() {
                     shared.stop.store(false, Ordering::Relaxed);
+                    state.begun = (!job.may_stop).then(Instant::now);
                     break job;
                 }
                 state = shared.wake.wait(state).unwrap_or_else(PoisonError::into_inner);
             }
         };
-        let started = std::time::Instant::now();
+        let begun = Instant::now();
         if renderer.load(Arc::clone(&job.scene)).is_err() {
+            lock(shared).begun = None;
             continue;
         }
         let never = AtomicBool::new(false);
         let stop = if job.may_stop { &shared.stop } else { &never };
         let Some(image) = renderer.image_unless(&job.view, &job.settings, stop) else { continue };
-        let seconds = started.elapsed().as_secs_f64();
-        let pixels = shown(&image, job.size);
-        lock(shared).frame = Some(Frame { pixels, size: job.size, version: job.version, fine: job.may_stop, seconds });
+        let frame = Frame::new(image, &job, begun);
+        let mut state = lock(shared);
+        // What was not taken is dropped by this thread, which has the time.
+        let missed = state.frame.replace(frame);
+        state.begun = None;
+        drop(state);
+        drop(missed);
         notify();
     }
-}
-
-/// The nearest pixels of a picture, on white where it is transparent.
-fn shown(image: &Image, [width, height]: [u32; 2]) -> Vec<u32> {
-    let from = |to: u32, to_size: u32, from_size: u32| u64::from(to) * u64::from(from_size) / u64::from(to_size);
-    let columns: Vec<usize> = (0..width).map(|x| from(x, width, image.width) as usize * 4).collect();
-    let is_same = [image.width, image.height] == [width, height];
-    let pixel = |texel: &[u8]| {
-        let [r, g, b, a] = [texel[0], texel[1], texel[2], texel[3]].map(u32::from);
-        let on_white = |c: u32| (c * a + 255 * (255 - a) + 127) / 255;
-        if a == 255 { r << 16 | g << 8 | b } else { on_white(r) << 16 | on_white(g) << 8 | on_white(b) }
-    };
-    let mut pixels = Vec::with_capacity(width as usize * height as usize);
-    for y in 0..height {
-        let start = from(y, height, image.height) as usize * image.width as usize * 4;
-        let line = &image.rgba[start..start + image.width as usize * 4];
-        if is_same {
-            pixels.extend(line.chunks_exact(4).map(pixel));
-        } else {
-            pixels.extend(columns.iter().map(|&column| pixel(&line[column..column + 4])));
-        }
-    }
-    pixels
 }
 
 #[cfg(test)]
@@ -168,7 +217,7 @@ mod tests {
         let scene = Arc::new(Scene::from_blocks(Vec::new(), Vec::new()));
         let view = View::new(scene.fitted_camera(1.0), 64, 64);
         let settings = Settings { samples, ground_texels: 16, ao: 0, shadow: false };
-        Job { scene, view, size: [64, 64], settings, may_stop, version }
+        Job { scene, view, size: [64, 64], settings, may_stop, version, posted: Instant::now() }
     }
 
     #[test]
@@ -187,8 +236,9 @@ mod tests {
             if let Some(frame) = worker.take_frame() {
                 assert!(frame.version > last, "frames never go back");
                 last = frame.version;
-                assert_eq!((frame.row(63).map(<[u32]>::len), frame.fine), (Some(64), true));
-                assert!(frame.row(64).is_none());
+                let mut row = [1; 64];
+                assert!(frame.fine && frame.copy_row(63, 0, &mut row) && !frame.copy_row(64, 0, &mut row));
+                assert!(!frame.copy_row(0, 1, &mut row), "a row ends where the picture does");
             }
         }
         assert!(worker.take_frame().is_none());
@@ -197,9 +247,20 @@ mod tests {
     #[test]
     fn pictures_fill_the_window_whatever_their_size() {
         let image = Image { width: 2, height: 1, rgba: vec![255, 0, 0, 255, 0, 0, 255, 0] };
-        let pixels = shown(&image, [4, 2]);
-        assert_eq!(pixels[..4], [0xFF_00_00, 0xFF_00_00, 0xFF_FF_FF, 0xFF_FF_FF]);
-        assert_eq!(pixels[..4], pixels[4..]);
-        assert_eq!(shown(&image, [2, 1]), [0xFF_00_00, 0xFF_FF_FF]);
+        let rows = |size: [u32; 2]| -> Vec<Vec<u32>> {
+            let frame = Frame::new(image.clone(), &Job { size, ..job(1, true, 1) }, Instant::now());
+            let row = |y: u32| {
+                let mut row = vec![0; size[0] as usize];
+                assert!(frame.copy_row(y as usize, 0, &mut row));
+                row
+            };
+            (0..size[1]).map(row).collect()
+        };
+        let [red, white] = [0xFF_00_00, 0xFF_FF_FF];
+        assert_eq!(rows([4, 2]), [[red, red, white, white], [red, red, white, white]]);
+        assert_eq!(rows([2, 1]), [[red, white]]);
+        let frame = Frame::new(image.clone(), &Job { size: [2, 1], ..job(1, true, 1) }, Instant::now());
+        let mut last = [0];
+        assert!(frame.copy_row(0, 1, &mut last) && last == [white]);
     }
 }

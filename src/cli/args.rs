@@ -75,6 +75,9 @@ pub struct ViewArgs {
     /// Renderer.
     #[command(flatten)]
     pub renderer: RendererArgs,
+    /// Count and time what the window does, and print it as JSON on standard error when it is closed: pictures, and milliseconds by stage
+    #[arg(long, help_heading = "Running")]
+    pub timings: bool,
 }
 
 /// What stands below the flags of `render`.
@@ -251,19 +254,19 @@ pub struct LookArgs {
     #[arg(long, value_name = "ATOMS", help_heading = "Text")]
     pub measure: Vec<MeasureArg>,
     /// Leave hydrogens out
-    #[arg(long, help_heading = "Molecule")]
+    #[arg(long, overrides_with = "hydrogens", help_heading = "Molecule")]
     pub no_hydrogens: bool,
     /// Leave water molecules out
-    #[arg(long, help_heading = "Molecule")]
+    #[arg(long, overrides_with = "water", help_heading = "Molecule")]
     pub no_water: bool,
     /// Leave ions out
-    #[arg(long, help_heading = "Molecule")]
+    #[arg(long, overrides_with = "ions", help_heading = "Molecule")]
     pub no_ions: bool,
     /// Alternate locations drawn: highest (occupancy), all, or one letter such as B
     #[arg(long, value_name = "WHICH", default_value = "highest", help_heading = "Molecule")]
     pub altloc: Altloc,
     /// Draw one stick from a metal to the middle of a ring or double bond that it holds, not one to each atom
-    #[arg(long, help_heading = "Molecule")]
+    #[arg(long, overrides_with = "no_haptic", help_heading = "Molecule")]
     pub haptic: bool,
     /// How aromatic bonds look
     #[arg(long, value_name = "HOW", default_value = "ring", help_heading = "Look")]
@@ -275,7 +278,7 @@ pub struct LookArgs {
     #[arg(long, value_name = "X", value_parser = positive, help_heading = "Look")]
     pub vector_scale: Option<f32>,
     /// Show the directions of the axes: x red, y green, z blue; a, b, c where there is a unit cell
-    #[arg(long, help_heading = "Look")]
+    #[arg(long, overrides_with = "no_axes", help_heading = "Look")]
     pub axes: bool,
     /// Lay a triangle mesh (OBJ, glTF, GLB) over the molecule, in ångström and the coordinates of its file; may be given
     /// several times
@@ -285,7 +288,7 @@ pub struct LookArgs {
     #[arg(long, value_name = "X", value_parser = opacity, requires = "overlay", help_heading = "Overlay")]
     pub overlay_opacity: Option<f32>,
     /// Draw the edges of overlays, not their triangles
-    #[arg(long, requires = "overlay", help_heading = "Overlay")]
+    #[arg(long, requires = "overlay", overrides_with = "no_overlay_wireframe", help_heading = "Overlay")]
     pub overlay_wireframe: bool,
     /// Colour of overlays, #rrggbb or a name, in place of their own
     #[arg(long, value_name = "COLOR", value_parser = color, requires = "overlay", help_heading = "Overlay")]
@@ -293,6 +296,9 @@ pub struct LookArgs {
     /// Text.
     #[command(flatten)]
     pub text: TextArgs,
+    /// What takes others back.
+    #[command(flatten)]
+    pub opposite: super::opposite::OppositeArgs,
 }
 
 /// What is written over the picture.
@@ -306,11 +312,11 @@ pub struct TextArgs {
     #[arg(long, value_name = "X", value_parser = text_size, default_value = "1", help_heading = "Text")]
     pub label_size: f64,
     /// Say which colour is which, in the lower left corner
-    #[arg(long, help_heading = "Text")]
+    #[arg(long, overrides_with = "no_legend", help_heading = "Text")]
     pub legend: bool,
     /// Draw a bar of a round length, in the lower right corner; in perspective it holds in the depth of the molecule's
     /// centre
-    #[arg(long, help_heading = "Text")]
+    #[arg(long, overrides_with = "no_scale_bar", help_heading = "Text")]
     pub scale_bar: bool,
 }
 
@@ -351,8 +357,11 @@ pub struct BondArgs {
     #[arg(long, value_name = "FROM", default_value = "auto", help_heading = "Molecule")]
     pub bonds: BondsArg,
     /// Find hydrogen bonds, too: N, O, S, F up to 3.5 Å apart, at least 120° at the hydrogen
-    #[arg(long, help_heading = "Molecule")]
+    #[arg(long, overrides_with = "no_hbonds", help_heading = "Molecule")]
     pub hbonds: bool,
+    /// No hydrogen bonds but those of the file (the default): takes --hbonds back
+    #[arg(long, overrides_with = "hbonds", help_heading = "Molecule", hide_short_help = true)]
+    pub no_hbonds: bool,
 }
 
 /// What of a crystal, and of several frames, is drawn.

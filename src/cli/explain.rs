@@ -125,7 +125,7 @@ ATOM      6  C1 BLIG B   1      10.000   0.900   0.000  0.50  0.00           C
 ATOM      7  O1  LIG B   1      11.400   0.400   0.000  1.00  0.00           O
 ";
         let document = read_bytes(pdb.as_bytes(), "a.pdb", &ImportOptions::default()).unwrap();
-        let bonds = BondArgs { bonds: BondsArg::Auto, hbonds: false };
+        let bonds = BondArgs { bonds: BondsArg::Auto, hbonds: false, no_hbonds: false };
         let text = Explanations::new(&document.records[0], bonds).text();
         let lines: Vec<&str> = text.lines().map(str::trim).collect();
         assert_eq!(

@@ -327,7 +327,7 @@ mod tests {
             (BondsArg::Perceive, BondMode::Perceive),
             (BondsArg::None, BondMode::None),
         ] {
-            assert_eq!(bond_options(BondArgs { bonds: arg, hbonds: false }).mode, mode);
+            assert_eq!(bond_options(BondArgs { bonds: arg, hbonds: false, no_hbonds: false }).mode, mode);
         }
     }
 

@@ -19,6 +19,7 @@ pub mod limits;
 mod load;
 pub mod manual;
 mod memory;
+pub mod opposite;
 mod picture;
 mod plan;
 mod process;

@@ -402,6 +402,7 @@ pub(super) fn window_options(
         renderer: Choice::from_name(&args.renderer.renderer.name()).unwrap_or_default(),
         viewpoint: args.look.camera,
         first: document,
+        timings: args.timings,
     })
 }
 

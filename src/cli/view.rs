@@ -17,7 +17,12 @@ pub(super) fn run(args: ViewArgs, report: &Report) -> Result<(), String> {
     };
     match crate::app::run(args.files, options) {
         // Said in the window, too; a script learns of it here.
-        Ok(failures) => failures.iter().for_each(|failure| report.fail_with(failure)),
+        Ok(ended) => {
+            ended.failures.iter().for_each(|failure| report.fail_with(failure));
+            if let Some(timings) = ended.timings {
+                report.line(&timings);
+            }
+        }
         Err(error) => report.fail_with(&error.to_string()),
     }
     Ok(())

@@ -27,6 +27,16 @@ pub struct Field {
 /// Parts of the way past a torus that are searched each on its own: through a ring it comes near the tube twice.
 const TORUS_STARTS: u32 = 8;
 
+/// Texels of the ground that are found one after the other, each beginning with what was found for the one before. Chosen.
+const NEIGHBOURS: usize = 64;
+
+/// The primitives that shaded a point of the ground: they may well shade its neighbour.
+#[derive(Default)]
+struct Nearby {
+    shadow: Option<u32>,
+    taps: [Option<u32>; OCCLUSION_TAPS.len()],
+}
+
 /// Distances above the ground at which the field is asked for occlusion, as fractions of the reach.
 pub const OCCLUSION_TAPS: [f32; 6] = [0.03, 0.07, 0.16, 0.33, 0.6, 1.0];
 
@@ -124,18 +134,23 @@ impl Field {
     /// than `limit` are asked: `(limit, None)` where there is none.
     #[must_use]
     pub fn map(&self, p: Vec3, limit: f32) -> (f32, Option<u32>) {
-        self.nearest(p, limit, |_, distance| distance)
+        self.nearest(p, (limit, None), |_, distance| distance)
     }
 
-    /// The distance at a point so high above the ground, as far as it shades the ground: what is see-through is farther away.
-    fn over_ground(&self, p: Vec3, height: f32, limit: f32) -> f32 {
-        self.nearest(p, limit, |index, distance| dimmed_distance(distance, height, self.opacity(index))).0
+    /// The distance at a point so high above the ground, as far as it shades the ground: what is see-through is farther away. `near` is a
+    /// primitive that may be the nearest, which saves most of the search, and becomes the one that is.
+    fn over_ground(&self, p: Vec3, height: f32, limit: f32, near: &mut Option<u32>) -> f32 {
+        let of = |index: usize, distance: f32| dimmed_distance(distance, height, self.opacity(index));
+        let known = near.map(|near| (of(near as usize, self.distance(near as usize, p)), Some(near)));
+        let (distance, found) = self.nearest(p, known.filter(|known| known.0 < limit).unwrap_or((limit, None)), of);
+        *near = found.or(*near);
+        distance
     }
 
-    /// The smallest of what `of` makes of the primitives' distances, and the primitive; it must not make less of them, nor of what is
-    /// nearer than `limit` more than that.
-    fn nearest(&self, p: Vec3, limit: f32, of: impl Fn(usize, f32) -> f32) -> (f32, Option<u32>) {
-        let mut best = (limit, None);
+    /// The smallest of what `of` makes of the primitives' distances, and the primitive, if it is less than what is known; it must not make
+    /// less of them, nor of what is nearer than that more.
+    fn nearest(&self, p: Vec3, known: (f32, Option<u32>), of: impl Fn(usize, f32) -> f32) -> (f32, Option<u32>) {
+        let mut best = known;
         self.hierarchy.visit(
             &mut best,
             // Inside a box the distance to what it holds may be negative: it is always entered.
@@ -164,6 +179,12 @@ impl Field {
     /// to stop: one walk through the hierarchy, and no bands in the penumbra.
     #[must_use]
     pub fn ground_shadow(&self, frame: &FrameConstants, p: Vec3) -> f32 {
+        self.shadow_near(frame, p, &mut None)
+    }
+
+    /// As [`Field::ground_shadow`]; `near` is a primitive that may give the shadow, which saves most of the search, and becomes the
+    /// one that does.
+    fn shadow_near(&self, frame: &FrameConstants, p: Vec3, near: &mut Option<u32>) -> f32 {
         let to_light = Vec3::new(frame.key_in_world[0], frame.key_in_world[1], frame.key_in_world[2]);
         let sharpness = frame.ground_map_size[2];
         if to_light.y <= 0.0 {
@@ -173,10 +194,17 @@ impl Field {
         let low = Vec3::new(frame.bounds_min[0], frame.bounds_min[1], frame.bounds_min[2]);
         let high = Vec3::new(frame.bounds_max[0], frame.bounds_max[1], frame.bounds_max[2]);
         let start = 1e-3 * (high - low).length();
-        let mut visible = 1.0f32;
+        let light_past = |i: usize| {
+            let (t, distance) = self.least_on_way(i, p, to_light, start);
+            dimmed_way((sharpness * distance / t).max(0.0), self.opacity(i))
+        };
+        let mut darkest = (1.0f32, None);
+        if let Some(near) = *near {
+            darkest = (light_past(near as usize).min(1.0), Some(near));
+        }
         self.hierarchy.visit(
-            &mut visible,
-            |visible, b: &Aabb| {
+            &mut darkest,
+            |&(visible, _), b: &Aabb| {
                 // Nothing in the ball around the box is nearer to the way than this, nor farther along it.
                 let center = (b.min + b.max) * 0.5 - p;
                 let radius = (b.max - b.min).length() * 0.5;
@@ -184,38 +212,46 @@ impl Field {
                 let beside = (center - to_light * t).length() - radius;
                 let farthest = t + radius;
                 // What is dark cannot get darker.
-                (*visible > 0.0 && farthest > 0.0 && sharpness * beside < *visible * farthest).then_some(beside)
+                (visible > 0.0 && farthest > 0.0 && sharpness * beside < visible * farthest).then_some(beside)
             },
-            |visible, index| {
+            |darkest, index| {
                 let i = index as usize;
                 if self.is_slow(i) {
                     let (center, radius) = self.ball(i);
                     let along = (center - p).dot(to_light);
                     let beside = (center - p - to_light * along).length() - radius;
-                    if sharpness * beside >= *visible * (along + radius).max(start) {
+                    if sharpness * beside >= darkest.0 * (along + radius).max(start) {
                         return;
                     }
                 }
-                let (t, distance) = self.least_on_way(i, p, to_light, start);
-                let light = (sharpness * distance / t).max(0.0);
-                *visible = visible.min(dimmed_way(light, self.opacity(i)));
+                let light = light_past(i);
+                if light < darkest.0 {
+                    *darkest = (light, Some(index));
+                }
             },
         );
+        let (visible, found) = darkest;
+        *near = found.or(*near);
         visible * visible * (3.0 - 2.0 * visible)
     }
 
     /// How much of the sky a point of the ground sees, 0–1: by how much the field above it falls short of the height.
     #[must_use]
     pub fn ground_open(&self, frame: &FrameConstants, p: Vec3) -> f32 {
+        self.open_near(frame, p, &mut Nearby::default())
+    }
+
+    /// As [`Field::ground_open`], beginning with what is nearby.
+    fn open_near(&self, frame: &FrameConstants, p: Vec3, nearby: &mut Nearby) -> f32 {
         let reach = frame.ground_map_size[3];
         let (mut closed, mut below) = (0.0, 0.0);
         let mut bound = f32::INFINITY;
-        for tap in OCCLUSION_TAPS {
+        for (tap, near) in OCCLUSION_TAPS.into_iter().zip(&mut nearby.taps) {
             let height = tap * reach;
             // The field grows by no more than the way: the tap below bounds this one, and most of the walk is saved. (A
             // thousandth more, for rounding.)
             let limit = height.min(1.001 * (bound + (height - below)));
-            let distance = self.over_ground(p + Vec3::Y * height, height, limit);
+            let distance = self.over_ground(p + Vec3::Y * height, height, limit, near);
             (bound, below) = (distance.max(0.0), height);
             closed += (height - distance.max(0.0)) / height;
         }
@@ -229,12 +265,16 @@ impl Field {
         let [width, height] = grid.size;
         let mut texels = vec![[1.0f32; 2]; width as usize * height as usize];
         if !self.solids.is_empty() && frame.has_ground() {
-            texels.par_iter_mut().with_min_len(64).enumerate().for_each(|(i, texel)| {
-                let (x, z) = ((i % width as usize) as f32, (i / width as usize) as f32);
-                let step = 1.0 / grid.texels_per_angstrom;
-                let p =
-                    Vec3::new(grid.corner[0] + (x + 0.5) * step, frame.ground[0], grid.corner[1] + (z + 0.5) * step);
-                *texel = [self.ground_shadow(frame, p), self.ground_open(frame, p)];
+            let step = 1.0 / grid.texels_per_angstrom;
+            texels.par_chunks_mut(NEIGHBOURS).enumerate().for_each(|(run, texels)| {
+                let mut nearby = Nearby::default();
+                for (i, texel) in (run * NEIGHBOURS..).zip(texels) {
+                    let (x, z) = ((i % width as usize) as f32, (i / width as usize) as f32);
+                    let (x, z) = (grid.corner[0] + (x + 0.5) * step, grid.corner[1] + (z + 0.5) * step);
+                    let p = Vec3::new(x, frame.ground[0], z);
+                    let shadow = self.shadow_near(frame, p, &mut nearby.shadow);
+                    *texel = [shadow, self.open_near(frame, p, &mut nearby)];
+                }
             });
         }
         GroundMap { size: grid.size, texels }

@@ -326,17 +326,21 @@ impl Solids {
         for placement in &scene.placements {
             let space_from_block = space_from_world * placement.world_from_block;
             solids.add_simple(scene, placement, space_from_block);
-            solids.add_others(scene, placement, space_from_block);
+            solids.add_cones(scene, placement, space_from_block);
+            solids.add_tori(scene, placement, space_from_block);
+            solids.add_triangles(scene, placement, space_from_block);
         }
         solids
     }
 
-    /// All but spheres and cylinders of a scene of which nothing is see-through.
+    /// All cones and triangles of a scene of which nothing is see-through.
     #[must_use]
     pub fn others(scene: &Scene, space_from_world: Affine3A) -> Solids {
         let mut solids = Solids::default();
         for placement in &scene.placements {
-            solids.add_others(scene, placement, space_from_world * placement.world_from_block);
+            let space_from_block = space_from_world * placement.world_from_block;
+            solids.add_cones(scene, placement, space_from_block);
+            solids.add_triangles(scene, placement, space_from_block);
         }
         solids
     }
@@ -355,21 +359,29 @@ impl Solids {
         self.cylinder_looks.extend(sticks.iter().map(|(_, looks)| *looks));
     }
 
-    fn add_others(&mut self, scene: &Scene, placement: &Placement, space_from_block: Affine3A) {
-        let block = &scene.blocks[placement.block];
+    fn add_cones(&mut self, scene: &Scene, placement: &Placement, space_from_block: Affine3A) {
         let id = |local: u32| placement.first_id.saturating_add(local);
-        for instance in &block.cones {
+        for instance in &scene.blocks[placement.block].cones {
             if let Some(cone) = Cone::new(instance, &space_from_block) {
                 self.cones.push(cone);
                 self.cone_looks.push((instance.color, id(instance.id)));
             }
         }
-        for instance in &block.tori {
+    }
+
+    fn add_tori(&mut self, scene: &Scene, placement: &Placement, space_from_block: Affine3A) {
+        let id = |local: u32| placement.first_id.saturating_add(local);
+        for instance in &scene.blocks[placement.block].tori {
             if let Some(torus) = Torus::new(instance, &space_from_block) {
                 self.tori.push(torus);
                 self.torus_looks.push((instance.color, id(instance.id)));
             }
         }
+    }
+
+    fn add_triangles(&mut self, scene: &Scene, placement: &Placement, space_from_block: Affine3A) {
+        let block = &scene.blocks[placement.block];
+        let id = |local: u32| placement.first_id.saturating_add(local);
         let triangles = block.triangles.par_iter().with_min_len(4096);
         let triangles: Vec<_> =
             triangles.filter_map(|t| Some((Triangle::new(t, &space_from_block)?, (t.colors, id(t.id))))).collect();

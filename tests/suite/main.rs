@@ -19,6 +19,8 @@ mod cli;
 mod corpus;
 mod crystals;
 mod dependencies;
+#[cfg(all(unix, feature = "window"))]
+mod endurance;
 mod examples;
 mod faults;
 mod files;

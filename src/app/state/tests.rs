@@ -632,3 +632,21 @@ fn escape_leaves_one_thing_at_a_time() {
     state.apply(Action::Escape);
     assert!(!state.measuring);
 }
+
+#[test]
+fn closed_molecules_do_not_heap_up() {
+    let mut state = state();
+    let mut documents = Vec::new();
+    for _ in 0..100 {
+        state.apply(Action::Open(data("caffeine.sdf")));
+        state.wait_for_files();
+        settle(&mut state);
+        documents.push(Arc::downgrade(&state.work.layers[0].document));
+        state.apply(Action::CloseAll);
+    }
+    settle(&mut state);
+    let living = documents.iter().filter(|document| document.strong_count() > 0).count();
+    assert!((2..=12).contains(&living), "{living}");
+    state.apply(Action::Undo);
+    assert_eq!(state.work.layers.len(), 1, "the last one comes back");
+}

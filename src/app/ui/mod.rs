@@ -5,6 +5,8 @@ mod dialogs;
 mod film;
 mod frames;
 mod help;
+#[cfg(test)]
+mod keys_tests;
 mod notices;
 mod palette;
 mod panel;

@@ -8,13 +8,13 @@ use egui::{Key, Modifiers, PointerButton, Pos2, Rect};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-struct App {
-    state: State,
+pub(super) struct App {
+    pub(super) state: State,
     memory: Memory,
     view: Rect,
 }
 
-fn harness(state: State) -> Harness<'static, App> {
+pub(super) fn harness(state: State) -> Harness<'static, App> {
     let app = App { state, memory: Memory::default(), view: Rect::NOTHING };
     let mut harness =
         Harness::builder().with_size([1200.0, 900.0]).with_max_steps(40).with_step_dt(0.02).build_ui_state(
@@ -35,7 +35,7 @@ fn steps(harness: &mut Harness<'_, App>) {
     harness.run_steps(4);
 }
 
-fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
+pub(super) fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
     harness.key_press_modifiers(modifiers, key);
     steps(harness);
 }

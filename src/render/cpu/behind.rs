@@ -4,11 +4,12 @@
 //! is found once for all lanes; cones and open sticks ask the same functions as a single ray does. A ray starts at its point: what
 //! lies behind that hides nothing.
 
-use super::intersect::{cone_t, cylinder_t, primitive_t};
+use super::intersect::{cone_t, cylinder_t, torus_ts};
 use super::lanes::{LANES, Lanes};
 use super::reach::Points;
+use super::simd::{Work, widest};
 use crate::math::{max, min};
-use crate::render::solids::{Cone, Cylinder, Primitive, Solids, Triangle};
+use crate::render::solids::{Cone, Cylinder, Primitive, Solids, Torus, Triangle};
 use crate::scene::Ray;
 use glam::Vec3;
 
@@ -38,7 +39,7 @@ pub(super) fn behind(solids: &Solids, index: u32, d: Vec3, points: &Points, free
         }
         Primitive::Cone(c) => behind_cone(&solids.cones[c], index, d, &points.position, &points.own, free),
         Primitive::Triangle(t) => behind_triangle(&solids.triangles[t], d, &points.position, free),
-        Primitive::Torus(_) => behind_torus(solids, index, d, points, free),
+        Primitive::Torus(t) => behind_torus(&solids.tori[t], d, &points.position, free),
     }
 }
 
@@ -61,19 +62,32 @@ fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Points, fre
     left
 }
 
-/// Clears the lanes that a torus hides the light from, one by one, for it is searched for; bits of those that are left. It may hide
-/// itself.
+/// Clears the lanes that a torus hides the light from; bits of those that are left. It may hide itself. On its own, for it is long and
+/// seldom asked.
 #[inline(never)]
-fn behind_torus(solids: &Solids, index: u32, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
-    let mut left = 0;
-    for lane in 0..LANES {
-        if free[lane] != 0 {
-            let ray = Ray { origin: Vec3::from(points.position.map(|axis| axis[lane])), direction: d };
-            free[lane] = if primitive_t(&ray, solids, index as usize, 0.0).is_finite() { 0 } else { free[lane] };
+fn behind_torus(torus: &Torus, d: Vec3, position: &[Lanes; 3], free: &mut Mask) -> u32 {
+    widest(BehindTorus { torus, d, position, free });
+    free.iter().fold(0, |left, free| left | free)
+}
+
+/// See [`behind_torus`].
+struct BehindTorus<'a> {
+    torus: &'a Torus,
+    d: Vec3,
+    position: &'a [Lanes; 3],
+    free: &'a mut Mask,
+}
+
+impl Work for BehindTorus<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let [px, py, pz] = self.position;
+        let ray = |lane: usize| Ray { origin: Vec3::new(px[lane], py[lane], pz[lane]), direction: self.d };
+        let ts = torus_ts::<LANES>(ray, self.torus, 0.0);
+        for (free, t) in self.free.iter_mut().zip(ts) {
+            *free = if t < f32::INFINITY { 0 } else { *free };
         }
-        left |= free[lane];
     }
-    left
 }
 
 /// Clears the lanes that a cylinder hides the light from (its ends taken as flat and closed); bits of those that are left.
@@ -170,7 +184,7 @@ fn clear(d: Vec3, position: &[Lanes; 3], free: &mut Mask, hides: impl Fn(&Ray, u
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::cpu::intersect::triangle_t;
+    use crate::render::cpu::intersect::{primitive_t, triangle_t};
     use crate::render::test_shapes::{Random, cylinder};
     use crate::render::test_solids::{Body, Drawn, random_drawn, triangle};
     use glam::DVec3;
@@ -206,7 +220,10 @@ mod tests {
                 solids.cones.push(*cone);
                 behind_cone(cone, 0, d, &position, &[9; LANES], &mut free)
             }
-            Drawn::Torus(_) => unreachable!("tori have no lanes"),
+            Drawn::Torus(torus) => {
+                solids.tori.push(*torus);
+                behind_torus(torus, d, &position, &mut free)
+            }
         };
         assert_eq!(left, free.iter().fold(0, |all, bits| all | bits));
         let (mut hidden, mut other) = (0, 0);
@@ -246,6 +263,11 @@ mod tests {
     #[test]
     fn triangles_hide_what_a_ray_says_they_do() {
         many(2);
+    }
+
+    #[test]
+    fn rings_hide_what_a_ray_says_they_do() {
+        many(1);
     }
 
     #[test]

@@ -193,12 +193,12 @@ impl Framing {
         }
     }
 
-    /// The pieces of torus `index`.
-    fn torus(&self, torus: &Torus, index: usize) -> Vec<Candidate> {
-        let nearest = -torus.bounds().max.z;
-        let Ok(index) = u32::try_from(index) else { return Vec::new() };
-        let pieces = (0..TORUS_PIECES).filter_map(|piece| torus_rect(torus, piece, &self.camera));
-        pieces.filter_map(|rect| self.candidate(index, nearest, rect)).collect()
+    /// The pieces of a ring.
+    #[inline(always)]
+    pub(super) fn torus(&self, index: u32, torus: Torus) -> impl Iterator<Item = Candidate> {
+        let (framing, nearest) = (*self, -torus.bounds().max.z);
+        let pieces = (0..TORUS_PIECES).filter_map(move |piece| torus_rect(&torus, piece, &framing.camera));
+        pieces.filter_map(move |rect| framing.candidate(index, nearest, rect))
     }
 }
 
@@ -223,9 +223,9 @@ impl Bins {
             (0..solids.len()).into_par_iter().with_min_len(4096).filter_map(of).collect();
         let first_torus = solids.spheres.len() + solids.cylinders.len() + solids.cones.len();
         // A tile may get a torus twice, by two pieces: it is drawn in both, which changes nothing.
-        candidates.extend(solids.tori.iter().enumerate().flat_map(|(t, torus)| {
+        candidates.extend((first_torus as u32..).zip(&solids.tori).flat_map(|(index, torus)| {
             let torus = outline.map_or(*torus, |outline| outline.torus(torus));
-            framing.torus(&torus, first_torus + t)
+            framing.torus(index, torus)
         }));
         let (first, list) = share_out(tile, tiles, candidates.iter().map(|candidate| candidate.pixels));
         Bins { tiles, candidates, first, list }

@@ -6,7 +6,7 @@ use super::source::Facts;
 use crate::color::Srgb8;
 use crate::math::{max, min};
 use crate::render::outline::RIM;
-use crate::render::solids::{Cylinder, Sphere};
+use crate::render::solids::{Cylinder, Sphere, Torus};
 use glam::Vec3;
 
 /// What shading needs of a primitive.
@@ -16,6 +16,8 @@ pub(super) enum Fact {
     Ball(Vec3, [f32; 3]),
     /// A stick.
     Stick(Stick),
+    /// A ring.
+    Ring(Ring),
     /// What is found one by one.
     Other,
 }
@@ -35,7 +37,26 @@ pub(super) struct Stick {
     colors: [[f32; 3]; 2],
 }
 
+/// What shading needs of a ring.
+#[derive(Clone, Copy)]
+pub(super) struct Ring {
+    center: Vec3,
+    /// Unit.
+    axis: Vec3,
+    /// Of the circle that the tube follows.
+    radius: f32,
+    /// Linear.
+    color: [f32; 3],
+}
+
 impl Fact {
+    /// Of a ring.
+    #[inline(always)]
+    pub(super) fn of_torus(torus: &Torus, color: Srgb8) -> Fact {
+        let color = color.to_linear();
+        Fact::Ring(Ring { center: torus.center, axis: torus.axis(), radius: torus.ring_radius, color })
+    }
+
     /// Of a ball.
     #[inline(always)]
     pub(super) fn of_sphere(sphere: &Sphere, color: Srgb8) -> Fact {
@@ -100,14 +121,16 @@ pub(super) struct Looks {
     pub(super) normal: [Lanes; 3],
     /// Linear.
     pub(super) albedo: [Lanes; 3],
+    /// Lanes that see something else.
+    pub(super) others: Mask,
 }
 
 impl Looks {
-    /// Of balls and sticks where they are hit; zero for everything else.
+    /// Of balls, sticks and rings where they are hit; zero for everything else.
     #[inline(always)]
     pub(super) fn of(memo: &mut Memo<'_>, indices: &[u32; LANES], seen: &Mask, hit: &[Lanes; 3]) -> Looks {
-        let mut looks = Looks { normal: [[0.0; LANES]; 3], albedo: [[0.0; LANES]; 3] };
-        let (mut left, mut lane, simple) = (*seen, 0, memo.source.simple());
+        let mut looks = Looks { normal: [[0.0; LANES]; 3], albedo: [[0.0; LANES]; 3], others: [0; LANES] };
+        let (mut left, mut lane) = (*seen, 0);
         while lane < LANES {
             if left[lane] == 0 {
                 lane += 1;
@@ -120,11 +143,14 @@ impl Looks {
                 same[lane] = left[lane] & is_same;
                 left[lane] &= !is_same;
             }
-            if index & !RIM < simple {
-                match memo.fact(index & !RIM) {
-                    Fact::Ball(center, color) => looks.add_ball(&same, hit, *center, *color),
-                    Fact::Stick(stick) => looks.add_stick(&same, hit, stick),
-                    Fact::Other => {}
+            match memo.fact(index & !RIM) {
+                Fact::Ball(center, color) => looks.add_ball(&same, hit, *center, *color),
+                Fact::Stick(stick) => looks.add_stick(&same, hit, stick),
+                Fact::Ring(ring) => looks.add_ring(&same, hit, ring),
+                Fact::Other => {
+                    for (other, same) in looks.others.iter_mut().zip(same) {
+                        *other |= same;
+                    }
                 }
             }
         }
@@ -166,6 +192,24 @@ impl Looks {
                 let (normal, albedo) = (&mut self.normal[part][lane], &mut self.albedo[part][lane]);
                 *normal = if lanes[lane] != 0 { n } else { *normal };
                 *albedo = if lanes[lane] != 0 { color } else { *albedo };
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add_ring(&mut self, lanes: &Mask, hit: &[Lanes; 3], ring: &Ring) {
+        let Ring { center, axis, radius, color } = ring;
+        for lane in 0..LANES {
+            let p = Vec3::new(hit[0][lane], hit[1][lane], hit[2][lane]) - *center;
+            let along = p.x * axis.x + p.y * axis.y + p.z * axis.z;
+            let out = p - *axis * along;
+            // From the nearest point of the circle.
+            let to_circle = radius / max((out.x * out.x + out.y * out.y + out.z * out.z).sqrt(), 1e-20);
+            let n = p - out * to_circle;
+            for part in 0..3 {
+                let (normal, albedo) = (&mut self.normal[part][lane], &mut self.albedo[part][lane]);
+                *normal = if lanes[lane] != 0 { n[part] } else { *normal };
+                *albedo = if lanes[lane] != 0 { color[part] } else { *albedo };
             }
         }
     }

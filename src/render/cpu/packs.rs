@@ -1,28 +1,30 @@
-//! Balls and sticks in packs of neighbours, so that what is out of the picture or behind something is left out pack by pack.
+//! Balls, sticks and rings in packs of neighbours, so that what is out of the picture or behind something is left out pack by pack.
 //!
 //! The packs of a block are the same in all its placements and however the scene is turned: they are made once for a scene.
 //! Neighbours are found along a space-filling curve (Morton's: the bits of the three coordinates in turn).
 //!
 //! A picture asks the box of every pack, and of those that may be seen each primitive: the cost is that of what is on the
-//! screen, and a little for each pack. Everything else (cones, tori, triangles) is few, and goes the way of [`super::binning`].
+//! screen, and a little for each pack. Everything else (cones, triangles) is few, and goes the way of [`super::binning`].
 
 use super::binning::{Bins, Candidate, Framing, share_out};
 use super::facts::Fact;
+use super::lanes::{LANES, Lanes};
 use super::small::{Window, draw_balls, draw_sticks};
 use super::source::{Facts, Source};
 use super::tile::{Place, Tile};
 use crate::math::Aabb;
 use crate::render::settings::View;
-use crate::render::solids::{Cylinder, Solids, Sphere, is_see_through};
-use crate::scene::{Block, Scene};
+use crate::render::solids::{Cylinder, Solids, Sphere, Torus, is_see_through};
+use crate::scene::{Block, CylinderInstance, Scene, SphereInstance, TorusInstance};
 use glam::{Affine3A, Vec3, Vec3A};
 use rayon::prelude::*;
+use std::ops::Range;
 
-/// Balls and sticks of a pack. Chosen, other numbers were not tried: 32 atoms of a protein with their bonds are some 9 Å wide, and a million
+/// Balls, sticks and rings of a pack. Chosen, other numbers were not tried: 32 atoms of a protein with their bonds are some 9 Å wide, and a million
 /// atoms make 32,000 packs.
 const MEMBERS: usize = 64;
 
-/// Some neighbours: balls, then sticks.
+/// Some neighbours: balls, then sticks, then rings.
 #[derive(Debug, Clone, Copy)]
 struct Pack {
     center: Vec3,
@@ -30,16 +32,25 @@ struct Pack {
     half: Vec3,
     /// Where its members start in [`BlockPacks::members`].
     start: u32,
+    /// Where its balls and its sticks start in [`BlockPacks::balls`] and [`BlockPacks::sticks`].
+    first_ball: u32,
+    first_stick: u32,
     spheres: u8,
     cylinders: u8,
+    tori: u8,
 }
 
 /// The packs of a block, in its space.
 #[derive(Debug, Default)]
 struct BlockPacks {
     packs: Vec<Pack>,
-    /// Indices into the spheres or the cylinders of the block.
+    /// Indices into the spheres, the cylinders or the tori of the block.
     members: Vec<u32>,
+    /// Centres and radii of the balls in the order of the packs: 16 bytes a ball so that sixteen are read at once. [`LANES`] more at the
+    /// end.
+    balls: [Vec<f32>; 4],
+    /// Ends and radii of the sticks likewise, 28 bytes each.
+    sticks: [Vec<f32>; 7],
 }
 
 /// The packs of a scene's blocks.
@@ -77,17 +88,27 @@ fn spread(x: u32) -> u64 {
 
 impl BlockPacks {
     fn new(block: &Block) -> BlockPacks {
-        let (spheres, cylinders) = (&block.spheres, &block.cylinders);
-        let Ok(first_cylinder) = u32::try_from(spheres.len()) else { return BlockPacks::default() };
-        let middle = |i: usize| match cylinders.get(i.wrapping_sub(spheres.len())) {
-            Some(cylinder) => (Vec3::from(cylinder.a) + Vec3::from(cylinder.b)) * 0.5,
-            None => spheres[i].center.into(),
+        let (spheres, cylinders, tori) = (&block.spheres, &block.cylinders, &block.tori);
+        let first_torus = spheres.len() + cylinders.len();
+        let count = first_torus + tori.len();
+        let (Ok(first_cylinder), Ok(_)) = (u32::try_from(spheres.len()), u32::try_from(count)) else {
+            return BlockPacks::default();
         };
-        let bounds = |i: usize| match cylinders.get(i.wrapping_sub(spheres.len())) {
-            Some(cylinder) => cylinder.bounds(),
-            None => spheres[i].bounds(),
+        let kind = |i: usize| match i {
+            _ if i >= first_torus => Member::Torus(&tori[i - first_torus]),
+            _ if i >= spheres.len() => Member::Cylinder(&cylinders[i - spheres.len()]),
+            _ => Member::Sphere(&spheres[i]),
         };
-        let count = spheres.len() + cylinders.len();
+        let middle = |i: usize| match kind(i) {
+            Member::Sphere(sphere) => sphere.center.into(),
+            Member::Cylinder(cylinder) => (Vec3::from(cylinder.a) + Vec3::from(cylinder.b)) * 0.5,
+            Member::Torus(torus) => torus.center.into(),
+        };
+        let bounds = |i: usize| match kind(i) {
+            Member::Sphere(sphere) => sphere.bounds(),
+            Member::Cylinder(cylinder) => cylinder.bounds(),
+            Member::Torus(torus) => torus.bounds(),
+        };
         let around = (0..count).into_par_iter().with_min_len(4096).map(|i| (middle(i), middle(i)));
         let join = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
         let (low, high) = around.reduce(|| (Vec3::INFINITY, Vec3::NEG_INFINITY), join);
@@ -102,19 +123,59 @@ impl BlockPacks {
         let chunk = |(number, chunk): (usize, &mut [(u64, u32)])| {
             chunk.sort_unstable_by_key(|&(_, i)| i);
             let around = chunk.iter().fold(Aabb::EMPTY, |all, &(_, i)| all.union(bounds(i as usize)));
-            let spheres = chunk.iter().filter(|&&(_, i)| i < first_cylinder).count();
+            let before = |end: usize| chunk.iter().filter(|&&(_, i)| (i as usize) < end).count();
+            let (spheres, simple) = (before(first_cylinder as usize), before(first_torus));
             Pack {
                 center: around.center(),
                 half: around.size() * 0.5,
                 start: (number * MEMBERS) as u32,
+                first_ball: 0,
+                first_stick: 0,
                 spheres: spheres as u8,
-                cylinders: (chunk.len() - spheres) as u8,
+                cylinders: (simple - spheres) as u8,
+                tori: (chunk.len() - simple) as u8,
             }
         };
-        let packs = order.par_chunks_mut(MEMBERS).enumerate().with_min_len(64).map(chunk).collect();
-        let member = |&(_, i): &(u64, u32)| if i < first_cylinder { i } else { i - first_cylinder };
-        BlockPacks { packs, members: order.iter().map(member).collect() }
+        let mut packs: Vec<Pack> = order.par_chunks_mut(MEMBERS).enumerate().with_min_len(64).map(chunk).collect();
+        let (mut first_ball, mut first_stick) = (0, 0);
+        for pack in &mut packs {
+            (pack.first_ball, pack.first_stick) = (first_ball, first_stick);
+            first_ball += u32::from(pack.spheres);
+            first_stick += u32::from(pack.cylinders);
+        }
+        // In their order, and some more that nobody looks at.
+        let of = |range: Range<usize>, number: &dyn Fn(usize) -> f32| -> Vec<f32> {
+            let members = order.iter().map(|&(_, i)| i as usize).filter(|i| range.contains(i));
+            members.map(number).chain([0.0; LANES]).collect()
+        };
+        let ball = |number: &dyn Fn(&SphereInstance) -> f32| of(0..spheres.len(), &|i| number(&spheres[i]));
+        let stick = |number: &dyn Fn(&CylinderInstance) -> f32| {
+            of(spheres.len()..first_torus, &|i| number(&cylinders[i - spheres.len()]))
+        };
+        let balls = [ball(&|s| s.center[0]), ball(&|s| s.center[1]), ball(&|s| s.center[2]), ball(&|s| s.radius)];
+        let sticks = [
+            stick(&|c| c.a[0]),
+            stick(&|c| c.a[1]),
+            stick(&|c| c.a[2]),
+            stick(&|c| c.b[0]),
+            stick(&|c| c.b[1]),
+            stick(&|c| c.b[2]),
+            stick(&|c| c.radius),
+        ];
+        let own = |i: u32| match kind(i as usize) {
+            Member::Sphere(_) => i,
+            Member::Cylinder(_) => i - first_cylinder,
+            Member::Torus(_) => i - first_torus as u32,
+        };
+        BlockPacks { packs, members: order.iter().map(|&(_, i)| own(i)).collect(), balls, sticks }
     }
+}
+
+/// What is in a pack.
+enum Member<'a> {
+    Sphere(&'a SphereInstance),
+    Cylinder(&'a CylinderInstance),
+    Torus(&'a TorusInstance),
 }
 
 /// A pack that reaches into the picture.
@@ -131,17 +192,42 @@ pub(super) struct Placed<'a> {
     pub(super) block: &'a Block,
     packs: &'a BlockPacks,
     pub(super) view_from_block: Affine3A,
-    /// Numbers of its first ball and stick in the scene.
+    /// Numbers of its first ball, stick and ring in the scene.
     pub(super) first_sphere: u32,
     pub(super) first_cylinder: u32,
+    pub(super) first_torus: u32,
 }
 
-/// The packs that a view sees, tile by tile from front to back, and everything that is neither ball nor stick.
+impl Placed<'_> {
+    /// [`LANES`] balls of the packs: coordinates of their centres, and their radii.
+    #[inline(always)]
+    pub(super) fn balls(&self, first: usize) -> [&Lanes; 4] {
+        let [x, y, z, radius] = &self.packs.balls;
+        [x, y, z, radius].map(|lanes| lanes_at(lanes, first))
+    }
+
+    /// [`LANES`] sticks of the packs: coordinates of both their ends, and their radii.
+    #[inline(always)]
+    pub(super) fn sticks(&self, first: usize) -> ([[&Lanes; 3]; 2], &Lanes) {
+        let [ax, ay, az, bx, by, bz, radius] = &self.packs.sticks;
+        ([[ax, ay, az], [bx, by, bz]].map(|end| end.map(|lanes| lanes_at(lanes, first))), lanes_at(radius, first))
+    }
+}
+
+#[inline(always)]
+fn lanes_at(lanes: &[f32], first: usize) -> &Lanes {
+    // There always are as many.
+    lanes.get(first..).and_then(|lanes| lanes.first_chunk()).unwrap_or(&[0.0; LANES])
+}
+
+/// The packs that a view sees, tile by tile from front to back, and everything that is neither ball, stick nor ring.
 pub(super) struct Packed<'a> {
     placed: Vec<Placed<'a>>,
-    /// Balls and sticks in the scene.
-    spheres: u32,
-    simple: u32,
+    /// Where sticks, cones, rings and triangles of the scene are numbered from: in this order, after the balls.
+    first_cylinder: u32,
+    first_cone: u32,
+    first_torus: u32,
+    first_triangle: u32,
     framing: Framing,
     seen: Vec<Seen>,
     /// Of each tile, where its packs start in `list`.
@@ -152,10 +238,11 @@ pub(super) struct Packed<'a> {
 }
 
 impl<'a> Packed<'a> {
-    /// `others` are all cones, tori and triangles of the scene, in view space.
+    /// `others` are all cones and triangles of the scene, in view space.
     pub(super) fn new(scene: &'a Scene, packs: &'a Packs, others: &'a Solids, view: &View, tile: u32) -> Packed<'a> {
         let framing = Framing::new(view);
-        let (mut placed, mut spheres, mut cylinders) = (Vec::with_capacity(scene.placements.len()), 0u32, 0u32);
+        let mut placed = Vec::with_capacity(scene.placements.len());
+        let (mut spheres, mut cylinders, mut tori) = (0u32, 0u32, 0u32);
         let view_from_world = view.camera.view_from_world();
         for placement in &scene.placements {
             let block = &scene.blocks[placement.block];
@@ -165,12 +252,19 @@ impl<'a> Packed<'a> {
                 view_from_block: view_from_world * placement.world_from_block,
                 first_sphere: spheres,
                 first_cylinder: cylinders,
+                first_torus: tori,
             });
             spheres = spheres.saturating_add(block.spheres.len() as u32);
             cylinders = cylinders.saturating_add(block.cylinders.len() as u32);
+            tori = tori.saturating_add(block.tori.len() as u32);
         }
+        let first_cylinder = spheres;
+        let first_cone = first_cylinder.saturating_add(cylinders);
+        let first_torus = first_cone.saturating_add(others.cones.len() as u32);
+        let first_triangle = first_torus.saturating_add(tori);
         for placed in &mut placed {
-            placed.first_cylinder = placed.first_cylinder.saturating_add(spheres);
+            placed.first_cylinder = placed.first_cylinder.saturating_add(first_cylinder);
+            placed.first_torus = placed.first_torus.saturating_add(first_torus);
         }
         let seen = placed.par_iter().enumerate().flat_map(|(placement, placed)| {
             let packs = placed.packs.packs.par_iter().enumerate().with_min_len(4096);
@@ -184,15 +278,24 @@ impl<'a> Packed<'a> {
         seen.par_sort_unstable_by(|a, b| a.nearest.total_cmp(&b.nearest));
         let other_bins = Bins::new(others, None, view, tile);
         let (first, list) = share_out(tile, other_bins.tiles, seen.iter().map(|pack| pack.pixels));
-        let simple = spheres.saturating_add(cylinders);
-        Packed { placed, spheres, simple, framing, seen, first, list, others, other_bins }
+        Packed {
+            placed,
+            first_cylinder,
+            first_cone,
+            first_torus,
+            first_triangle,
+            framing,
+            seen,
+            first,
+            list,
+            others,
+            other_bins,
+        }
     }
 
-    /// Where a ball or stick stands: its placement, and its index in the block.
+    /// Where a ball, stick or ring stands: its placement, and its index in the block.
     #[inline(always)]
-    fn place_of(&self, index: u32) -> (&Placed<'a>, usize) {
-        let first =
-            |placed: &Placed<'_>| if index < self.spheres { placed.first_sphere } else { placed.first_cylinder };
+    fn place_of(&self, index: u32, first: impl Fn(&Placed<'_>) -> u32) -> (&Placed<'a>, usize) {
         let placed = match self.placed.len() {
             1 => &self.placed[0],
             // Of placements without any the last one starts where the next does.
@@ -221,19 +324,54 @@ impl<'a> Packed<'a> {
             }
             let placed = &self.placed[placement as usize];
             let pack = &placed.packs.packs[pack as usize];
-            let members =
-                &placed.packs.members[pack.start as usize..][..usize::from(pack.spheres) + usize::from(pack.cylinders)];
-            let (spheres, cylinders) = members.split_at(usize::from(pack.spheres));
-            draw_balls::<PARALLEL>((tile, place), (&window, &self.framing), placed, spheres);
-            draw_sticks::<PARALLEL>((tile, place), (&window, &self.framing), placed, cylinders);
+            let counts = [pack.spheres, pack.cylinders, pack.tori].map(usize::from);
+            let members = &placed.packs.members[pack.start as usize..][..counts.iter().sum()];
+            let (spheres, members) = members.split_at(counts[0]);
+            let (cylinders, tori) = members.split_at(counts[1]);
+            let (first_ball, first_stick) = (pack.first_ball as usize, pack.first_stick as usize);
+            draw_balls::<PARALLEL>((tile, place), (&window, &self.framing), placed, (first_ball, spheres));
+            draw_sticks::<PARALLEL>((tile, place), (&window, &self.framing), placed, (first_stick, cylinders));
+            self.draw_rings::<PARALLEL>((tile, place), placed, tori);
         }
         self.other_bins.of_tile(number, candidates);
         for candidate in candidates.iter_mut() {
-            candidate.index += self.simple;
-            tile.draw_other::<PARALLEL>(place, self.others, self.simple, candidate);
+            let number = candidate.index;
+            let is_cone = (number as usize) < self.others.cones.len();
+            let before = if is_cone { self.first_cone } else { self.first_triangle - self.others.cones.len() as u32 };
+            candidate.index += before;
+            tile.draw_other::<PARALLEL>(place, (self.others, number), candidate);
+        }
+    }
+
+    /// Draws some rings of a block in a tile.
+    #[inline(always)]
+    fn draw_rings<const PARALLEL: bool>(
+        &self,
+        (tile, place): (&mut Tile, &Place<'_>),
+        placed: &Placed<'_>,
+        members: &[u32],
+    ) {
+        for &i in members {
+            let Some(torus) = Torus::new(&placed.block.tori[i as usize], &placed.view_from_block) else { continue };
+            let index = placed.first_torus + i;
+            let around = Sphere { center: torus.center, radius: torus.ring_radius + torus.tube_radius };
+            let Some(whole) = self.framing.sphere(index, &around) else { continue };
+            if tile.hides(place, whole.nearest, whole.pixels) {
+                continue;
+            }
+            if whole.pixels[2] - whole.pixels[0] <= SMALL_RING {
+                tile.draw_torus::<PARALLEL>(place, &whole, &torus);
+                continue;
+            }
+            for piece in self.framing.torus(index, torus) {
+                tile.draw_torus::<PARALLEL>(place, &piece, &torus);
+            }
         }
     }
 }
+
+/// Rings of no more pixels are not drawn in pieces: all would lie in the same few blocks of samples. Chosen.
+const SMALL_RING: u16 = 12;
 
 impl Source for Packed<'_> {
     fn is_empty(&self, tile: usize) -> bool {
@@ -252,25 +390,30 @@ impl Source for Packed<'_> {
 }
 
 impl Facts for Packed<'_> {
-    fn simple(&self) -> u32 {
-        self.simple
-    }
-
-    fn first_of_shader(&self) -> u32 {
-        self.simple
+    fn of_shader(&self, index: u32) -> u32 {
+        let is_cone = index < self.first_torus;
+        if is_cone { index - self.first_cone } else { index - self.first_triangle + self.others.cones.len() as u32 }
     }
 
     fn fact(&self, index: u32) -> Fact {
-        let (placed, i) = self.place_of(index);
-        if index < self.spheres {
+        if index < self.first_cylinder {
+            let (placed, i) = self.place_of(index, |placed| placed.first_sphere);
             let instance = &placed.block.spheres[i];
             return Fact::of_sphere(&Sphere::new(instance, &placed.view_from_block), instance.color);
         }
-        let instance = &placed.block.cylinders[i];
-        match Cylinder::new(instance, &placed.view_from_block) {
-            Some(cylinder) => Fact::of_cylinder(&cylinder, [instance.color_a, instance.color_b]),
-            None => Fact::Other,
+        if index < self.first_cone {
+            let (placed, i) = self.place_of(index, |placed| placed.first_cylinder);
+            let instance = &placed.block.cylinders[i];
+            let stick = Cylinder::new(instance, &placed.view_from_block);
+            return stick.map_or(Fact::Other, |stick| Fact::of_cylinder(&stick, [instance.color_a, instance.color_b]));
         }
+        if (self.first_torus..self.first_triangle).contains(&index) {
+            let (placed, i) = self.place_of(index, |placed| placed.first_torus);
+            let instance = &placed.block.tori[i];
+            let torus = Torus::new(instance, &placed.view_from_block);
+            return torus.map_or(Fact::Other, |torus| Fact::of_torus(&torus, instance.color));
+        }
+        Fact::Other
     }
 }
 

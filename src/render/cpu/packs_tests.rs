@@ -118,27 +118,41 @@ fn packs_draw_the_picture_of_all_primitives() {
 }
 
 #[test]
-fn every_ball_and_stick_is_in_one_pack_and_in_its_box() {
+fn every_ball_stick_and_ring_is_in_one_pack_and_in_its_box() {
     let block = block(3, 5000, 40.0);
-    let BlockPacks { packs, members } = BlockPacks::new(&block);
+    let of_block = BlockPacks::new(&block);
+    let BlockPacks { packs, members, balls, sticks } = &of_block;
     let (mut spheres, mut cylinders) = (vec![0; block.spheres.len()], vec![0; block.cylinders.len()]);
-    for pack in &packs {
+    let mut tori = vec![0; block.tori.len()];
+    for pack in packs {
         let start = pack.start as usize;
         let middle = start + usize::from(pack.spheres);
         let around = Aabb { min: pack.center - pack.half, max: pack.center + pack.half }.grown(1e-4);
         let holds = |inner: Aabb| {
             assert!(around.union(inner) == around, "{inner:?} is not in {around:?}");
         };
-        for &i in &members[start..middle] {
+        let end = middle + usize::from(pack.cylinders);
+        for (&i, at) in members[start..middle].iter().zip(pack.first_ball as usize..) {
             spheres[i as usize] += 1;
-            holds(block.spheres[i as usize].bounds());
+            let ball = &block.spheres[i as usize];
+            holds(ball.bounds());
+            assert_eq!([balls[0][at], balls[1][at], balls[2][at]], ball.center);
+            assert_eq!(balls[3][at], ball.radius);
         }
-        for &i in &members[middle..middle + usize::from(pack.cylinders)] {
+        for (&i, at) in members[middle..end].iter().zip(pack.first_stick as usize..) {
             cylinders[i as usize] += 1;
-            holds(block.cylinders[i as usize].bounds());
+            let stick = &block.cylinders[i as usize];
+            holds(stick.bounds());
+            assert_eq!([sticks[0][at], sticks[1][at], sticks[2][at]], stick.a);
+            assert_eq!([sticks[3][at], sticks[4][at], sticks[5][at]], stick.b);
+            assert_eq!(sticks[6][at], stick.radius);
+        }
+        for &i in &members[end..end + usize::from(pack.tori)] {
+            tori[i as usize] += 1;
+            holds(block.tori[i as usize].bounds());
         }
     }
-    assert!(spheres.iter().chain(&cylinders).all(|&count| count == 1));
+    assert!(spheres.iter().chain(&cylinders).chain(&tori).all(|&count| count == 1));
     // Neighbours: the boxes together take little more than all of it does.
     let volume = |half: Vec3| f64::from(half.x * half.y * half.z);
     let whole = packs

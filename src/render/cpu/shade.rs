@@ -209,27 +209,27 @@ fn surfaces((shader, memo): (&Shader<'_>, &mut Memo<'_>), place: &Place<'_>, sam
         points.asks[lane] = if (seen[lane] != 0) & !cut & !is_line { 1.0 } else { 0.0 };
         points.own[lane] = if shader.solids.see_through { NOBODY } else { index[lane] };
     }
-    let albedo = &mut surfaces.albedo;
-    others((shader, memo.source()), place, &samples, &mut points, albedo);
+    if any(&surfaces.others) {
+        others((shader, memo.source()), place, &samples, &mut points, &mut surfaces);
+    }
     (Surfaces { samples, albedo: surfaces.albedo }, points)
 }
 
-/// Normals and colours of what is neither ball nor stick, one by one.
+/// Normals and colours of what is neither ball, stick nor ring, one by one.
 #[inline(always)]
 fn others(
     (shader, source): (&Shader<'_>, &dyn Facts),
     place: &Place<'_>,
     samples: &Samples,
     points: &mut Points,
-    albedo: &mut [Lanes; 3],
+    Looks { albedo, others, .. }: &mut Looks,
 ) {
-    let (simple, first) = (source.simple(), source.first_of_shader());
     for (lane, &index) in samples.index.iter().enumerate() {
-        if index < simple || index & RIM != 0 || samples.seen[lane] == 0 {
+        if others[lane] == 0 || index & RIM != 0 {
             continue;
         }
         let ray = place.grid.ray((samples.u[lane], samples.v[lane]));
-        let surface = shader.surface(&ray, index - first, samples.t[lane]);
+        let surface = shader.surface(&ray, source.of_shader(index), samples.t[lane]);
         let start = ray.origin + ray.direction * samples.t[lane] + surface.normal * start_offset(samples.t[lane]);
         for (part, albedo) in albedo.iter_mut().enumerate() {
             points.position[part][lane] = start[part];

@@ -94,7 +94,7 @@ impl Bounds {
 
 /// Sixteen points moved by a transform: the same bits as [`Affine3A::transform_point3`] gives.
 #[inline(always)]
-fn transform(by: &Affine3A, points: &[Lanes; 3]) -> [Lanes; 3] {
+fn transform(by: &Affine3A, points: [&Lanes; 3]) -> [Lanes; 3] {
     let [x, y, z] = [by.matrix3.x_axis, by.matrix3.y_axis, by.matrix3.z_axis];
     std::array::from_fn(|axis| {
         let (x, y, z, shift) = (x[axis], y[axis], z[axis], by.translation[axis]);
@@ -225,23 +225,18 @@ impl<const PARALLEL: bool> Small for SmallStick<'_, PARALLEL> {
     }
 }
 
-/// Draws some balls of a block in a tile.
+/// Draws some balls of a block in a tile: their numbers in the block, and where the first of them stands in the packs.
 #[inline(always)]
 pub(super) fn draw_balls<const PARALLEL: bool>(
     (tile, place): (&mut Tile, &Place<'_>),
     (window, framing): (&Window, &Framing),
     placed: &Placed<'_>,
-    members: &[u32],
+    (first, members): (usize, &[u32]),
 ) {
-    for members in members.chunks(LANES) {
-        let (mut center, mut radius) = ([[0.0; LANES]; 3], [0.0; LANES]);
-        for (lane, &i) in members.iter().enumerate() {
-            let ball = &placed.block.spheres[i as usize];
-            (center[0][lane], center[1][lane], center[2][lane]) = (ball.center[0], ball.center[1], ball.center[2]);
-            radius[lane] = ball.radius;
-        }
-        let center = transform(&placed.view_from_block, &center);
-        let (at, reach, is_small) = framing.small_ones(&center, &radius);
+    for (members, first) in members.chunks(LANES).zip((first..).step_by(LANES)) {
+        let [x, y, z, radius] = placed.balls(first);
+        let center = transform(&placed.view_from_block, [x, y, z]);
+        let (at, reach, is_small) = framing.small_ones(&center, radius);
         let (mut low, mut high, mut nearest) = ([[0.0; LANES]; 2], [[0.0; LANES]; 2], [0.0; LANES]);
         for lane in 0..LANES {
             for axis in 0..2 {
@@ -281,28 +276,19 @@ pub(super) fn draw_balls<const PARALLEL: bool>(
     }
 }
 
-/// Draws some sticks of a block in a tile.
+/// Draws some sticks of a block in a tile; see [`draw_balls`].
 #[inline(always)]
 pub(super) fn draw_sticks<const PARALLEL: bool>(
     (tile, place): (&mut Tile, &Place<'_>),
     (window, framing): (&Window, &Framing),
     placed: &Placed<'_>,
-    members: &[u32],
+    (first, members): (usize, &[u32]),
 ) {
-    for members in members.chunks(LANES) {
-        let (mut ends, mut radius) = ([[[0.0; LANES]; 3]; 2], [0.0; LANES]);
-        for (lane, &i) in members.iter().enumerate() {
-            let stick = &placed.block.cylinders[i as usize];
-            for (end, from) in ends.iter_mut().zip([stick.a, stick.b]) {
-                for (lanes, x) in end.iter_mut().zip(from) {
-                    lanes[lane] = x;
-                }
-            }
-            radius[lane] = stick.radius;
-        }
-        let [a, b] = [transform(&placed.view_from_block, &ends[0]), transform(&placed.view_from_block, &ends[1])];
+    for (members, first) in members.chunks(LANES).zip((first..).step_by(LANES)) {
+        let (ends, radius) = placed.sticks(first);
+        let [a, b] = ends.map(|end| transform(&placed.view_from_block, end));
         let ((at_a, reach_a, small_a), (at_b, reach_b, small_b)) =
-            (framing.small_ones(&a, &radius), framing.small_ones(&b, &radius));
+            (framing.small_ones(&a, radius), framing.small_ones(&b, radius));
         let (mut low, mut high, mut nearest) = ([[0.0; LANES]; 2], [[0.0; LANES]; 2], [0.0; LANES]);
         let (mut reach, mut is_small) = ([0.0; LANES], [0; LANES]);
         for lane in 0..LANES {

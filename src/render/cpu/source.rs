@@ -19,13 +19,10 @@ pub(super) trait Source: Facts {
 
 /// What is told of what was seen. A trait of its own: shading is compiled once for all sources, and asks by a table of these.
 pub(super) trait Facts: Sync {
-    /// How many balls and sticks there are: they have the lowest indices.
-    fn simple(&self) -> u32;
+    /// What is neither ball, stick nor ring as the shader's solids number it.
+    fn of_shader(&self, index: u32) -> u32;
 
-    /// The index of the first of the shader's solids.
-    fn first_of_shader(&self) -> u32;
-
-    /// What shading needs of a ball or stick.
+    /// What shading needs of a ball, stick or ring.
     fn fact(&self, index: u32) -> Fact;
 }
 
@@ -54,12 +51,8 @@ impl Source for Listed<'_> {
 }
 
 impl Facts for Listed<'_> {
-    fn simple(&self) -> u32 {
-        (self.solids.spheres.len() + self.solids.cylinders.len()) as u32
-    }
-
-    fn first_of_shader(&self) -> u32 {
-        0
+    fn of_shader(&self, index: u32) -> u32 {
+        index
     }
 
     fn fact(&self, index: u32) -> Fact {
@@ -69,8 +62,9 @@ impl Facts for Listed<'_> {
                 let (a, b, _) = self.solids.cylinder_looks[i];
                 Fact::of_cylinder(&self.solids.cylinders[i], [a, b])
             }
+            Primitive::Torus(i) => Fact::of_torus(&self.solids.tori[i], self.solids.torus_looks[i].0),
             // Found one by one.
-            _ => Fact::Other,
+            Primitive::Cone(_) | Primitive::Triangle(_) => Fact::Other,
         }
     }
 }

@@ -6,7 +6,7 @@
 use super::binning::Candidate;
 use super::intersect::{
     FLAT_CAPS, cone_middle_t, cone_t, cylinder_middle_t, cylinder_t, flat_cylinder_middle_t, flat_cylinder_t,
-    sphere_entry, sphere_middle_t, sphere_t, torus_middle_t, torus_t, triangle_t,
+    sphere_entry, sphere_middle_t, sphere_t, torus_middle_t, torus_t, torus_ts, triangle_t,
 };
 use super::lanes::{LANES, Lanes, Pass};
 use crate::render::outline::{Outline, RIM};
@@ -24,6 +24,16 @@ pub(super) trait DepthAt {
     const OUTLINED: bool = false;
 
     fn t(&self, u: f32, v: f32) -> f32;
+
+    /// The same for all samples of a block.
+    #[inline(always)]
+    fn ts(&self, u: &Lanes, v: &Lanes) -> Lanes {
+        let mut ts = [0.0; LANES];
+        for lane in 0..LANES {
+            ts[lane] = self.t(u[lane], v[lane]);
+        }
+        ts
+    }
 
     /// Midway through it.
     fn middle(&self, _u: f32, _v: f32) -> f32 {
@@ -44,6 +54,11 @@ impl<D: DepthAt> DepthAt for Outlined<D> {
     #[inline(always)]
     fn t(&self, u: f32, v: f32) -> f32 {
         self.own.t(u, v)
+    }
+
+    #[inline(always)]
+    fn ts(&self, u: &Lanes, v: &Lanes) -> Lanes {
+        self.own.ts(u, v)
     }
 
     #[inline(always)]
@@ -136,6 +151,11 @@ impl<const PARALLEL: bool> DepthAt for Drawn<Torus, PARALLEL> {
     #[inline(always)]
     fn t(&self, u: f32, v: f32) -> f32 {
         torus_t(&ray::<PARALLEL>(u, v), &self.solid, self.near)
+    }
+
+    #[inline(always)]
+    fn ts(&self, u: &Lanes, v: &Lanes) -> Lanes {
+        torus_ts(|lane| ray::<PARALLEL>(u[lane], v[lane]), &self.solid, self.near)
     }
 
     #[inline(always)]
@@ -315,27 +335,30 @@ impl Tile {
         }
     }
 
-    /// Draws a cone, torus or triangle of `solids`, all opaque and without lines; they count from `first` on.
+    /// Draws an opaque ring.
+    #[inline(always)]
+    pub(super) fn draw_torus<const PARALLEL: bool>(&mut self, place: &Place<'_>, candidate: &Candidate, solid: &Torus) {
+        let drawn = Drawn::<_, PARALLEL> { solid: *solid, near: place.near };
+        self.draw(place, candidate, &[true; LANES], &drawn);
+    }
+
+    /// Draws a cone or triangle, `number` of `solids`, all opaque and without lines.
     #[inline(always)]
     pub(super) fn draw_other<const PARALLEL: bool>(
         &mut self,
         place: &Place<'_>,
-        solids: &Solids,
-        first: u32,
+        (solids, number): (&Solids, u32),
         candidate: &Candidate,
     ) {
         let (near, mask) = (place.near, [true; LANES]);
-        match solids.primitive((candidate.index - first) as usize) {
+        match solids.primitive(number as usize) {
             Primitive::Cone(i) => {
                 self.draw(place, candidate, &mask, &Drawn::<_, PARALLEL> { solid: solids.cones[i], near });
-            }
-            Primitive::Torus(i) => {
-                self.draw(place, candidate, &mask, &Drawn::<_, PARALLEL> { solid: solids.tori[i], near });
             }
             Primitive::Triangle(i) => {
                 self.draw(place, candidate, &mask, &Drawn::<_, PARALLEL> { solid: solids.triangles[i], near });
             }
-            Primitive::Sphere(_) | Primitive::Cylinder(_) => {}
+            Primitive::Sphere(_) | Primitive::Cylinder(_) | Primitive::Torus(_) => {}
         }
     }
 
@@ -454,11 +477,9 @@ impl Tile {
         [u, v]: [&Lanes; 2],
         drawn: &D,
     ) {
-        let mut new = [0.0f32; LANES];
-        let mut what = [index; LANES];
+        let (mut new, mut what) = (drawn.ts(u, v), [index; LANES]);
         for lane in 0..LANES {
-            let t = drawn.t(u[lane], v[lane]);
-            new[lane] = if mask[lane] { t } else { f32::INFINITY };
+            new[lane] = if mask[lane] { new[lane] } else { f32::INFINITY };
         }
         if D::OUTLINED {
             for lane in 0..LANES {

@@ -19,6 +19,7 @@ pub use middle::{
     cone_middle_t, cylinder_middle_t, flat_cylinder_middle_t, outlined_t, sphere_middle_t, torus_middle_t,
 };
 pub use sphere::{sphere_entry, sphere_normal, sphere_t};
+pub(super) use torus::torus_ts;
 pub use torus::{torus_normal, torus_t};
 pub use triangle::{triangle_normal, triangle_t, triangle_weights};
 
