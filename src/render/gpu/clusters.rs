@@ -160,7 +160,8 @@ mod tests {
                     inside += usize::from(is_inside);
                     assert!(is_drawn || !is_inside, "{center}");
                 }
-                assert!(inside > 10 && drawn < order.len() / 2, "{inside} {drawn}");
+                // The region is a fifth of what is there, and runs take in what lies between.
+                assert!(inside > 10 && drawn * 5 < order.len() * 3, "{inside} {drawn}");
             }
         }
     }
