@@ -3,5 +3,6 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    ballstick::cli::settle();
     ExitCode::from(ballstick::cli::run(std::env::args_os()))
 }

@@ -129,7 +129,7 @@ struct CpuScreen {
 }
 
 /// Samples and ground texels of a picture in motion.
-const IN_MOTION: Settings = Settings { samples: 1, ground_texels: 96, ao: 0, shadow: false };
+const IN_MOTION: Settings = Settings { samples: 1, ground_texels: 48, ao: 0, shadow: false };
 /// The mouse is looked at so often while it is not known when a picture will be finished.
 const IN_BETWEEN: Duration = Duration::from_millis(4);
 

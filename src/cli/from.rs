@@ -194,6 +194,10 @@ fn check(file: &Path, sum: Option<&str>) -> Result<(), Problem> {
     if samples::of_path(file).is_none() && !file.exists() {
         return Err(Problem::Missing);
     }
+    // A pipe would be waited for, a device has no end: neither was what the session is of.
+    if std::fs::metadata(file).is_ok_and(|metadata| !metadata.is_file()) {
+        return Err(Problem::Other(Error::Unsupported(format!("{} is named, which is no file", file.display()))));
+    }
     let Some(was) = sum else { return Ok(()) };
     match sums::of_file(file).map_err(Problem::Other)? {
         Some(is) if is != was => Err(Problem::Changed { was: was.to_owned(), is }),

@@ -5,6 +5,8 @@
 //! the least. What there is, is the least of the limits of the process (`ulimit -v`, `ulimit -d`), of its control group (containers,
 //! batch systems; version 2) and of the machine with its swap space.
 //!
+//! (With `ulimit -v` threads share one pool of memory, see [`super::process`]; else addresses that nobody uses would count.)
+//!
 //! Limits: what a packed file unpacks to is not known before; light from afar takes more than is counted here. Only Linux tells
 //! control group and machine; elsewhere the process' own limits count alone. Memory that others take meanwhile is not seen.
 

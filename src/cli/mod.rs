@@ -66,6 +66,12 @@ const ENVIRONMENT: &[(&str, &str)] = &[
     ("XDG_CONFIG_HOME", "Where the window keeps its preferences (Linux); ~/.config if it is not set."),
 ];
 
+/// For a program whose arguments are those of [`run`], before anything else: may begin it anew, with settings that the process
+/// needs from its start.
+pub fn settle() {
+    process::spare_addresses();
+}
+
 /// Runs the program with these arguments, the first being its own name, and gives the exit status.
 #[must_use]
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {

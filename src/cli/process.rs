@@ -4,6 +4,7 @@
 //!   They are asked for one by one beforehand: as many as there are will do, and without any the first one works alone.
 //! - **Signals** (Unix). Ctrl+C, `kill` and a closed terminal end the program at once, by the signal, so that a shell sees 130, 143 or 129;
 //!   files that are not finished are taken away first. What the parent has told us to ignore (`nohup`) stays ignored.
+//! - **Addresses** (Linux). Where there are few (`ulimit -v`), threads share one pool of memory.
 //! - **Stack** (Unix). The first thread has what the system gives it (`ulimit -s`); where that is little, another one does the work.
 //! - **File sizes** (Unix). A file that grows past `ulimit -f` is an error of that file, not the end of the program.
 
@@ -20,6 +21,31 @@ pub(super) fn prepare() {
     #[cfg(unix)]
     unix::watch_signals();
 }
+
+/// Begins the program anew with one pool of memory for all threads where addresses are few (`ulimit -v`): the system's C library
+/// sets 64 MB of them aside for each thread (glibc; M_ARENA_MAX in mallopt(3)), and the program dies of what it never used.
+#[cfg(target_os = "linux")]
+pub(super) fn spare_addresses() {
+    use rustix::process::{Resource, getrlimit};
+    use std::os::unix::process::CommandExt;
+    const ARENAS: &str = "MALLOC_ARENA_MAX";
+    // Set by whoever began it, if not by this.
+    if getrlimit(Resource::As).current.is_none() || std::env::var_os(ARENAS).is_some() {
+        return;
+    }
+    let Ok(program) = std::env::current_exe() else { return };
+    let mut arguments = std::env::args_os();
+    let mut again = std::process::Command::new(program);
+    if let Some(name) = arguments.next() {
+        again.arg0(name);
+    }
+    // Comes back only if the system refuses: then it goes on as it is.
+    drop(again.args(arguments).env(ARENAS, "1").exec());
+}
+
+/// See Linux: elsewhere threads share what there is.
+#[cfg(not(target_os = "linux"))]
+pub(super) fn spare_addresses() {}
 
 /// Stack of the first thread that is enough for all commands, in bytes: what Rust gives all other threads. (With 64 KiB reading the command
 /// line overflowed.)

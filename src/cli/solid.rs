@@ -119,8 +119,14 @@ pub struct SolidArgs {
     #[arg(long, help_heading = "Mesh")]
     pub compat: bool,
     /// Millimetres an ångström is long in STL [default: such that the longest side is 100 mm]
-    #[arg(long, value_name = "MM", value_parser = positive, help_heading = "Mesh")]
+    #[arg(long, value_name = "MM", value_parser = print_scale, help_heading = "Mesh")]
     pub scale: Option<f32>,
+}
+
+/// `--scale`: from a hundredth of a micrometre to ten metres.
+fn print_scale(text: &str) -> Result<f32, String> {
+    let scale = positive(text)?;
+    if (1e-5..=1e4).contains(&scale) { Ok(scale) } else { Err("expected millimetres from 0.00001 to 10000".to_owned()) }
 }
 
 /// `--unit`.
@@ -175,7 +181,8 @@ impl SolidArgs {
             ("--unit", self.unit != UnitArg::Angstrom && is_stl),
         ];
         let lost: Vec<&str> = flags.into_iter().filter(|(_, lost)| *lost).map(|(name, _)| name).collect();
-        (!lost.is_empty()).then(|| format!("{} has no effect on {}", lost.join(" and "), format.name()))
+        let has = if lost.len() > 1 { "have" } else { "has" };
+        (!lost.is_empty()).then(|| format!("{} {has} no effect on {}", lost.join(" and "), format.name()))
     }
 }
 

@@ -25,6 +25,14 @@ pub(super) fn read_all(mut file: File, size: u64, most: u64) -> io::Result<Vec<u
     Ok(bytes)
 }
 
+/// Most bytes that are read of a device, such as a terminal (chosen: no one types as many).
+const DEVICE_BYTES: u64 = 1 << 26;
+
+/// How many bytes may be read of what has this metadata, if files may have `limit`: devices need have no end.
+pub(super) fn most_bytes(metadata: &std::fs::Metadata, limit: u64) -> u64 {
+    if is_device(metadata) { limit.min(DEVICE_BYTES) } else { limit }
+}
+
 /// Whether it is a device that gives bytes one after another, `/dev/zero` or a terminal.
 #[cfg(unix)]
 pub(super) fn is_device(metadata: &std::fs::Metadata) -> bool {

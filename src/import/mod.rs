@@ -330,9 +330,6 @@ impl Document {
     }
 }
 
-/// Most bytes that are read of a device, such as a terminal (chosen: no one types as many).
-const DEVICE_BYTES: u64 = 1 << 26;
-
 /// Reads a file; `-` is standard input.
 ///
 /// # Errors
@@ -353,8 +350,7 @@ pub fn read_path(path: &Path, options: &ImportOptions) -> Result<Document> {
         if size > limit {
             return Err(too_large(limit));
         }
-        // A device may have no end.
-        let limit = if file::is_device(&metadata) { limit.min(DEVICE_BYTES) } else { limit };
+        let limit = file::most_bytes(&metadata, limit);
         let bytes = file::read_all(file, size, limit.saturating_add(1)).map_err(io_error)?;
         if bytes.len() as u64 > limit {
             return Err(too_large(limit));

@@ -119,7 +119,7 @@ fn a_full_disk_is_an_error_of_every_command() {
 #[test]
 fn a_file_that_finds_no_room_leaves_the_old_one_and_nothing_else() {
     let place = Place::new();
-    for name in ["a.png", "a.json", "a.gif", "a.npy"] {
+    for name in ["a.png", "a.json", "a.gif", "a.npy", "a.obj", "a.mtl", "a.glb"] {
         fs::write(place.path(name), "old").unwrap();
     }
     let before = place.names();
@@ -131,11 +131,14 @@ fn a_file_that_finds_no_room_leaves_the_old_one_and_nothing_else() {
             "ulimit -f 4; ballstick render methane.xyz -o a.gif --turntable=3 --renderer cpu --quality draft --size 400x300",
             "a.gif",
         ),
+        ("ulimit -f 16; ballstick convert methane.xyz -o a.obj", "a.obj"),
+        ("ulimit -f 4; ballstick convert methane.xyz -o a.glb --compat", "a.glb"),
         ("ulimit -f 4; ballstick render methane.xyz -o a.npy --channel depth --renderer cpu --size 200x100", "a.npy"),
     ] {
         place.run(line, 1).says(name).says("File too large");
         assert_eq!(fs::read(place.path(name)).unwrap(), b"old", "{line}");
     }
+    assert_eq!(fs::read(place.path("a.mtl")).unwrap(), b"old", "it belongs to the old a.obj");
     place
         .run("ulimit -f 4; ballstick render methane.xyz water.xyz -o ./ --renderer cpu --size 800x600", 1)
         .says("water.png");
@@ -403,6 +406,26 @@ fn too_little_memory_is_said_before_it_is_used_up() {
         place.run(&line, 1).says("MB of memory").says("ulimit -v");
     }
     assert!(!place.names().iter().any(|name| name.as_bytes().starts_with(b"a.")));
+}
+
+/// Addresses that threads set aside and never use do not count.
+#[test]
+fn every_limit_of_addresses_that_is_enough_is_enough() {
+    let place = Place::new();
+    let mut drawn = 0;
+    for limit in (80_000..=400_000).step_by(20_000) {
+        let line = format!(
+            "ulimit -v {limit} 2>/dev/null || exit 77; ballstick render methane.xyz -o a.png --renderer cpu --quality draft --size 2000x1500"
+        );
+        let output = place.command(&line).output().unwrap();
+        let error = String::from_utf8_lossy(&output.stderr);
+        match output.status.code() {
+            Some(0) => drawn += 1,
+            Some(1) => assert!(drawn == 0 && error.contains("ulimit -v"), "{limit}: {error}"),
+            status => panic!("{limit}: {status:?} {error}"),
+        }
+    }
+    assert!(drawn > 8, "{drawn}");
 }
 
 #[test]

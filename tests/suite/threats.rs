@@ -55,11 +55,32 @@ fn devices_that_never_end_are_refused() {
         &["convert", "/dev/zero", "a.json"],
         &["render", "/dev/zero", "-o", "a.png"],
         &["render", "--from", "/dev/zero", "-o", "a.png"],
+        &["render", "sample:caffeine", "--overlay", "/dev/zero", "-o", "a.png", "--renderer", "cpu"],
     ] {
         let run = case.run(arguments).status(1);
         assert!(run.err().contains("/dev/zero"), "{}", run.err());
     }
     assert!(case.names("").is_empty());
+}
+
+/// To open a pipe that nobody writes to waits for ever.
+#[cfg(unix)]
+#[test]
+fn pipes_that_files_name_are_not_waited_for() {
+    let mesh = "mtllib pipe.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+    let case = Case::new(&[("water.xyz", WATER), ("mesh.obj", mesh)]);
+    let draw = ["-o", "a.png", "--size", "16x12", "--renderer", "cpu", "--quality", "draft"];
+    case.run(&[&["render", "water.xyz"][..], &draw].concat()).status(0);
+    case.run(&["convert", "a.png", "-o", "good.glb"]).status(0);
+    let pipe =
+        |name: &str| assert!(std::process::Command::new("mkfifo").arg(case.path(name)).status().unwrap().success());
+    pipe("pipe.mtl");
+    let run = case.run(&[&["render", "water.xyz", "--overlay", "mesh.obj"][..], &draw].concat());
+    assert!(run.err().contains("pipe.mtl"), "{}", run.err());
+    fs::remove_file(case.path("water.xyz")).unwrap();
+    pipe("water.xyz");
+    let run = case.run(&["render", "--from", "a.png", "-o", "b.png"]).status(1);
+    assert!(run.err().contains("which is no file"), "{}", run.err());
 }
 
 #[test]

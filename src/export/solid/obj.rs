@@ -1,8 +1,8 @@
 //! Wavefront OBJ, and an MTL file of the same name beside it with one material for every colour.
 //!
 //! An object (`o`) for every molecule and overlay, a group (`g`) for every residue, as in `A_GLY_12`, else for every kind of primitive. Overlays have the
-//! colours of their vertices as six numbers behind `v`, which many programs read; then all vertices have, since some read them only so. The MTL file is written first: each of the two is whole or not
-//! there. To standard output goes the OBJ alone.
+//! colours of their vertices as six numbers behind `v`, which many programs read; then all vertices have, since some read them only so. The MTL file is written when the OBJ file is whole
+//! and only its name is missing, so that a run that fails leaves both as they were. To standard output goes the OBJ alone.
 
 use super::pieces::Piece;
 use super::{Model, Totals, names};
@@ -12,28 +12,20 @@ use crate::export::atomic;
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Digits behind the point for ångström: a tenth of the least error.
 const DECIMALS: i32 = 5;
 
 pub(super) fn write(model: &Model<'_>, totals: &Totals, path: &Path) -> Result<()> {
-    let has_name = !atomic::is_stdout(path) && !path.starts_with("/dev");
-    let library = has_name.then(|| path.with_extension("mtl"));
-    if let Some(library) = &library {
-        let materials = materials(model).map_err(|error| crate::Error::Unsupported(error.to_string()))?;
-        atomic::write(library, |out| {
-            writeln!(out, "# ballstick: colours are sRGB")?;
-            for (name, color) in &materials {
-                let [r, g, b, a] = [color.r, color.g, color.b, color.a].map(|byte| f64::from(byte) / 255.0);
-                writeln!(out, "newmtl {name}\nKd {r:.4} {g:.4} {b:.4}\nKs 0.2 0.2 0.2\nNs 40\nd {a:.4}\nillum 2")?;
-            }
-            Ok(())
-        })?;
-    }
+    let library = library_of(path);
+    let name = library.as_deref().map(one_line).transpose()?;
     let unit = model.options.unit;
     let decimals = (DECIMALS - unit.per_angstrom().log10().round() as i32).max(0) as usize;
-    atomic::write(path, |out| {
+    let materials = materials(model).map_err(|error| crate::Error::Unsupported(error.to_string()))?;
+    // Why the library could not be written: the error names it, not the OBJ.
+    let mut of_library = None;
+    let written = atomic::write(path, |out| {
         writeln!(
             out,
             "# ballstick: {} vertices, {} triangles; unit {}",
@@ -41,15 +33,15 @@ pub(super) fn write(model: &Model<'_>, totals: &Totals, path: &Path) -> Result<(
             totals.triangles,
             unit.name()
         )?;
-        if let Some(name) = library.as_ref().and_then(|library| library.file_name()) {
-            writeln!(out, "mtllib {}", name.to_string_lossy())?;
+        if let Some(name) = name {
+            writeln!(out, "mtllib {name}")?;
         }
         let mut has_surface = false;
         model.each_surface(|_, _| {
             has_surface = true;
             Ok(())
         })?;
-        let mut writer = Writer { out, model, decimals, next: 1, object: None, group: None, material: None };
+        let mut writer = Writer { out: &mut *out, model, decimals, next: 1, object: None, group: None, material: None };
         model.each_piece(false, |placement, piece, mesh| {
             writer.head(placement, || group(model, placement, piece))?;
             writer.material(&material_name(piece.color))?;
@@ -78,7 +70,46 @@ pub(super) fn write(model: &Model<'_>, totals: &Totals, path: &Path) -> Result<(
             }
             writer.next += surface.positions.len() as u64;
             Ok(())
+        })?;
+        let Some(library) = &library else { return Ok(()) };
+        // All of the OBJ is on the disk, and only its name is missing: now or never.
+        out.flush()?;
+        write_library(&materials, library).map_err(|error| {
+            of_library = Some(error);
+            io::ErrorKind::Other.into()
         })
+    });
+    match of_library {
+        Some(error) => Err(error),
+        None => written,
+    }
+}
+
+/// The MTL file of an OBJ file; none of one that goes to a stream.
+fn library_of(path: &Path) -> Option<PathBuf> {
+    let has_name = !atomic::is_stdout(path) && !path.starts_with("/dev");
+    has_name.then(|| path.with_extension("mtl"))
+}
+
+/// The name of the library as the OBJ file says it: in one line of UTF-8.
+fn one_line(library: &Path) -> Result<&str> {
+    let name = library.file_name().and_then(|name| name.to_str()).filter(|name| !name.contains(char::is_control));
+    name.ok_or_else(|| {
+        crate::Error::Unsupported(format!(
+            "{}: an OBJ file cannot name its MTL file so; choose a name of letters that can be printed",
+            library.display()
+        ))
+    })
+}
+
+fn write_library(materials: &BTreeMap<String, Srgb8>, library: &Path) -> Result<()> {
+    atomic::write(library, |out| {
+        writeln!(out, "# ballstick: colours are sRGB")?;
+        for (name, color) in materials {
+            let [r, g, b, a] = [color.r, color.g, color.b, color.a].map(|byte| f64::from(byte) / 255.0);
+            writeln!(out, "newmtl {name}\nKd {r:.4} {g:.4} {b:.4}\nKs 0.2 0.2 0.2\nNs 40\nd {a:.4}\nillum 2")?;
+        }
+        Ok(())
     })
 }
 

@@ -49,11 +49,12 @@ impl<'a> Folder<'a> {
         if !real.starts_with(folder.canonicalize().map_err(io_error)?) {
             return Err(outside());
         }
-        let opened = std::fs::File::open(&real).map_err(io_error)?;
-        let metadata = opened.metadata().map_err(io_error)?;
+        // Asked before it is opened: that waits for the writer of a pipe.
+        let metadata = std::fs::metadata(&real).map_err(io_error)?;
         if !metadata.is_file() {
             return Err(Error::input(None, format!("the mesh names {name}, which is no file")));
         }
+        let opened = std::fs::File::open(&real).map_err(io_error)?;
         let left = self.bytes_left.get();
         let bytes = file::read_all(opened, metadata.len().min(left), left.saturating_add(1)).map_err(io_error)?;
         let count = bytes.len() as u64;

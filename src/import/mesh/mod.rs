@@ -54,7 +54,8 @@ pub fn read_path(path: &Path, options: &ImportOptions) -> Result<(Mesh, Vec<Diag
     let limit = options.limits.decompressed_bytes;
     let io_error = |source| Error::Io { action: "read", path: path.to_owned(), source };
     let file = std::fs::File::open(path).map_err(io_error)?;
-    let size = file.metadata().map_or(0, |metadata| metadata.len());
+    let metadata = file.metadata().map_err(io_error)?;
+    let (size, limit) = (metadata.len(), file::most_bytes(&metadata, limit));
     let bytes = file::read_all(file, size.min(limit), limit.saturating_add(1)).map_err(io_error)?;
     if bytes.len() as u64 > limit {
         return Err(too_large(limit));
