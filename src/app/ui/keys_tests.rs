@@ -9,7 +9,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 
 /// What can be told of a state: all but times, and what is only of this run.
-fn told(state: &State) -> String {
+pub(super) fn told(state: &State) -> String {
     let (work, shown) = (&state.work, &state.shown);
     let frames: Vec<(usize, bool)> = work.layers.iter().map(|layer| (layer.frame, layer.visible)).collect();
     let picked: Vec<u32> = work.picked.iter().map(|key| key.atom).collect();

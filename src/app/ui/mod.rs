@@ -10,6 +10,8 @@ mod keys_tests;
 mod notices;
 mod palette;
 mod panel;
+#[cfg(test)]
+mod panel_tests;
 mod parts;
 mod selecting;
 mod sequence;

@@ -81,7 +81,9 @@ fn files(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         let name = layer.source.name();
         ui.horizontal(|ui| {
             let mut visible = layer.visible;
-            if ui.checkbox(&mut visible, "").on_hover_text("Show or hide").labelled(&name).changed() {
+            let shown = ui.checkbox(&mut visible, "").on_hover_text("Show or hide");
+            shown.widget_info(|| egui::WidgetInfo::selected(egui::accesskit::Role::CheckBox, true, visible, &name));
+            if shown.changed() {
                 actions.push(Action::ShowLayer(layer.id, visible));
             }
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

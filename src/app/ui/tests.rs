@@ -31,7 +31,7 @@ pub(super) fn harness(state: State) -> Harness<'static, App> {
 }
 
 /// A few frames: some things want to be shown for ever.
-fn steps(harness: &mut Harness<'_, App>) {
+pub(super) fn steps(harness: &mut Harness<'_, App>) {
     harness.run_steps(4);
 }
 
