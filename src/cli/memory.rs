@@ -146,15 +146,24 @@ fn process_limit(_data: bool, _status: &str) -> Option<u64> {
     None
 }
 
-/// What the control group leaves; what it keeps of files counts as free.
+/// What the control groups leave, the own one and all that it is in (batch systems limit one of those).
 fn group_room() -> Option<u64> {
     let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
     let own = groups.lines().find_map(|line| line.strip_prefix("0::/"))?;
-    let folder = Path::new("/sys/fs/cgroup").join(own);
-    let limit: u64 = std::fs::read_to_string(folder.join("memory.max")).ok()?.trim().parse().ok()?;
-    let used = std::fs::read_to_string(folder.join("memory.stat")).ok()?;
-    let used: u64 = used.lines().find_map(|line| line.strip_prefix("anon "))?.trim().parse().ok()?;
-    Some(limit.saturating_sub(used))
+    room_under(Path::new("/sys/fs/cgroup"), Path::new(own))
+}
+
+/// The least that any group from the root's child down to `own` leaves; what a group keeps of files counts as free. `None` where
+/// none has a limit.
+fn room_under(root: &Path, own: &Path) -> Option<u64> {
+    let room = |group: &Path| {
+        let folder = root.join(group);
+        let limit: u64 = std::fs::read_to_string(folder.join("memory.max")).ok()?.trim().parse().ok()?;
+        let used = std::fs::read_to_string(folder.join("memory.stat")).ok()?;
+        let used: u64 = used.lines().find_map(|line| line.strip_prefix("anon "))?.trim().parse().ok()?;
+        Some(limit.saturating_sub(used))
+    };
+    own.ancestors().filter_map(room).min()
 }
 
 #[cfg(test)]
@@ -176,6 +185,27 @@ mod tests {
         assert_eq!(bytes(1 << 30, PictureFormat::Jpeg) - bytes(1 << 30, PictureFormat::Png), 3 << 30);
         assert_eq!(picture_bytes(1_000_000, 0, PictureFormat::Png), 250_000_000);
         assert_eq!(picture_bytes(u64::MAX, u64::MAX, PictureFormat::WebP), u64::MAX);
+    }
+
+    #[test]
+    fn the_tightest_group_counts_whichever_it_is() {
+        let root = tempfile::tempdir().unwrap();
+        let own = Path::new("job/step/task");
+        std::fs::create_dir_all(root.path().join(own)).unwrap();
+        let limit = |group: &str, limit: &str, used: u64| {
+            let folder = root.path().join(group);
+            std::fs::write(folder.join("memory.max"), format!("{limit}\n")).unwrap();
+            std::fs::write(folder.join("memory.stat"), format!("anon {used}\nfile 900\n")).unwrap();
+        };
+        assert_eq!(room_under(root.path(), own), None);
+        limit("job/step/task", "max", 10);
+        assert_eq!(room_under(root.path(), own), None);
+        limit("job", "5000", 1000);
+        assert_eq!(room_under(root.path(), own), Some(4000));
+        limit("job/step", "4000", 500);
+        assert_eq!(room_under(root.path(), own), Some(3500));
+        limit("job/step/task", "100", 200);
+        assert_eq!(room_under(root.path(), own), Some(0));
     }
 
     #[test]
