@@ -128,7 +128,8 @@ struct CpuScreen {
     pace: Pace,
 }
 
-/// Samples and ground texels of a picture in motion.
+/// Samples and ground texels of a picture in motion. The light turns with the camera, so that the ground's map is made anew in each: with 96 texels
+/// an orbit about 10,000 atoms took half as long again, and beside each other the two shadows are hard to tell apart.
 const IN_MOTION: Settings = Settings { samples: 1, ground_texels: 48, ao: 0, shadow: false };
 /// The mouse is looked at so often while it is not known when a picture will be finished.
 const IN_BETWEEN: Duration = Duration::from_millis(4);
