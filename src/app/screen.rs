@@ -99,11 +99,17 @@ struct GpuScreen {
     size_px: [u32; 2],
     /// Pictures until a test has the device destroyed.
     lose_in: Option<u32>,
+    /// Pictures until a test has its memory used up.
+    exhaust_in: Option<u32>,
 }
 
 /// The variable by which tests have the device destroyed before a picture of this number: what a driver that is reset does to a window.
 #[cfg(feature = "gpu")]
 const LOSE_DEVICE: &str = "BALLSTICK_LOSE_DEVICE";
+
+/// The same for a device that is out of memory.
+#[cfg(feature = "gpu")]
+const EXHAUST_DEVICE: &str = "BALLSTICK_EXHAUST_DEVICE";
 
 struct CpuScreen {
     surface: softbuffer::Surface<Arc<Window>, Arc<Window>>,
@@ -210,8 +216,9 @@ fn gpu_screen(window: &Arc<Window>, choice: Choice) -> Result<Option<Kind>> {
     let size = window.inner_size();
     let size_px = [size.width.max(1), size.height.max(1)];
     let (renderer, surface) = GpuRenderer::for_window(Arc::clone(window), size_px, wish)?;
-    let lose_in = std::env::var(LOSE_DEVICE).ok().and_then(|number| number.parse().ok());
-    Ok(Some(Kind::Gpu(Box::new(GpuScreen { renderer, surface, done: (0, 0), size_px, lose_in }))))
+    let [lose_in, exhaust_in] =
+        [LOSE_DEVICE, EXHAUST_DEVICE].map(|name| std::env::var(name).ok().and_then(|number| number.parse().ok()));
+    Ok(Some(Kind::Gpu(Box::new(GpuScreen { renderer, surface, done: (0, 0), size_px, lose_in, exhaust_in }))))
 }
 
 #[cfg(not(feature = "gpu"))]
@@ -237,6 +244,10 @@ impl GpuScreen {
         self.lose_in = self.lose_in.map(|pictures| pictures.saturating_sub(1));
         if self.lose_in == Some(0) {
             self.renderer.lose_device();
+        }
+        self.exhaust_in = self.exhaust_in.map(|pictures| pictures.saturating_sub(1));
+        if self.exhaust_in == Some(0) {
+            self.renderer.exhaust_device();
         }
         let size_px = size_px.map(|side| side.max(1));
         if size_px != self.size_px {

@@ -71,7 +71,10 @@ pub(super) fn run(
         return Err("--depth-of-field needs --projection perspective: parallel rays have no focus".to_owned());
     }
     let mut plan = plan::outputs(&args.files, &args.output, name)?;
-    super::batch::choose(&mut plan, args.batch, &args.look.overlay)?;
+    let places = plan.apart();
+    if super::apart::own_input().is_none() {
+        super::batch::choose(&mut plan, args.batch, &args.look.overlay)?;
+    }
     if args.look.backdrop().0.is_none() {
         if !format.holds_alpha() {
             report.warn(&args.output, &format!("{name} cannot be transparent; the background is white"));
@@ -80,6 +83,10 @@ pub(super) fn run(
         }
     }
     each_of(plan, report, draw, &mut |picture, report, draw| {
+        if let Some(places) = &places {
+            return picture.made_apart(places, &args.look.overlay, report).map(drop);
+        }
+        report.speak();
         one(args, (size, region, format), (&picture.inputs, &picture.output), report, draw)
     });
     Ok(())

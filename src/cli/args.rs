@@ -88,7 +88,7 @@ Examples:
   ballstick render 1crn.pdb -o fig.png --size 85mmx60mm --dpi 600 --crop auto
   ballstick render *.sdf -o pictures/            one picture each: pictures/NAME.png
   ballstick render *.sdf -o 'out/{stem}.webp'    the same with names of your own
-  ballstick render 1crn.pdb -o fig.png --hide water --style 'residue 10-20=space-filling'
+  ballstick render 1crn.pdb -o fig.png --hide water --style 'ligand=licorice'
   ballstick render top.pdb run.xtc -o last.png --frame 500
   curl … | ballstick render - -o - > fig.png
   ballstick render 1crn.pdb -o turn.gif --turntable=72 --size 640x480
@@ -96,19 +96,22 @@ Examples:
   ballstick render --from fig.png -o again.png --size 6000x4000
 
 Channels (--channel) as 16-bit PNG, or as plain numbers in NPY (-o depth.npy):
-  depth   PNG: grey, linear from 65535 at the text chunk near_angstrom to 1 at far_angstrom;
-          0 is the background. NPY: f4 (h,w) in ångström; inf is the background
-  normal  in view space: x right, y up, z to the viewer. PNG: RGB of n*0.5+0.5; 0,0,0 is the
-          background. NPY: f4 (h,w,3)
-  id      0 background, 1 + atom index, 1 + number of atoms + bond index, 4294967295 ground.
-          PNG: R = id >> 16, G = id & 65535, B = 0. NPY: u4 (h,w)
-  ao      ambient occlusion: the part of the sky that the surface sees, over all directions (--ao,
-          64 where the quality says none); 1 where there is no surface. PNG: grey, 65535 is 1.
-          NPY: f4 (h,w)
+  depth   PNG: grey, linear from 65535 at the text chunk near_angstrom to 1 at
+          far_angstrom; 0 is the background. NPY: f4 (h,w) in ångström; inf is
+          the background
+  normal  in view space: x right, y up, z to the viewer. PNG: RGB of
+          n*0.5+0.5; 0,0,0 is the background. NPY: f4 (h,w,3)
+  id      0 background, 1 + atom index, 1 + number of atoms + bond index,
+          4294967295 ground. PNG: R = id >> 16, G = id & 65535, B = 0.
+          NPY: u4 (h,w)
+  ao      ambient occlusion: the part of the sky that the surface sees, over
+          all directions (--ao, 64 where the quality says none); 1 where there
+          is no surface. PNG: grey, 65535 is 1. NPY: f4 (h,w)
 
-Timings (--timings), one JSON object a picture: seconds for read, bonds, scene, render, encode
-and total; peak_memory, structure_memory and scene_memory in bytes (the first null where the system
-does not tell); atom_count, bond_count, renderer and output.";
+Timings (--timings), one JSON object a picture: seconds for read, bonds, scene,
+render, encode and total; peak_memory, structure_memory and scene_memory in
+bytes (the first null where the system does not tell); atom_count, bond_count,
+renderer and output.";
 
 /// `ballstick render`.
 #[derive(Debug, Clone, Args)]

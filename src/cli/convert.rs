@@ -1,5 +1,6 @@
 //! `ballstick convert`: a structure in another format; scenes go to [`super::solid`].
 
+use super::apart;
 use super::assembly;
 use super::atoms::ShowArgs;
 use super::load::{pick, read_as, with_bonds};
@@ -27,6 +28,13 @@ pub(super) fn run(args: &ConvertArgs, report: &mut Report) -> Result<(), String>
             format!("--from {name} is no format that is read; they are {}", names.join(", "))
         })?),
     };
+    if apart::is_wanted() {
+        let inputs: Vec<&Path> = files.iter().chain(&args.look.overlay).map(|file| file.as_path()).collect();
+        if let Err(error) = apart::run(0, &inputs, Some(output), report) {
+            report.fail(files.first().map_or(output, |file| file.as_path()), &error);
+        }
+        return Ok(());
+    }
     if let Some(format) = args.solid_format() {
         solid::run(args, (files, output), format, from, report);
         return Ok(());

@@ -94,6 +94,7 @@ pub(super) fn complete(
     report: &Report,
 ) -> Result<(), String> {
     let typed = typed(arguments);
+    let origin = (path, arguments.get(1).is_some_and(|word| word == "convert"));
     let shown: Vec<&File> = session.files.iter().filter(|file| file.visible).collect();
     if shown.is_empty() && args.files.is_empty() {
         return Err(format!("{}: the session shows no files", path.display()));
@@ -101,11 +102,11 @@ pub(super) fn complete(
     let mut is_another = false;
     if args.files.is_empty() {
         for file in &shown {
-            args.files.push(found(file, path)?);
+            args.files.push(found(file, origin)?);
             for trajectory in &file.trajectories {
                 // Too large to have sums.
                 let own = File { path: trajectory.clone(), ..File::default() };
-                args.files.push(found(&own, path)?);
+                args.files.push(found(&own, origin)?);
             }
         }
     } else if inputs(&args.files).len() != shown.len() {
@@ -129,7 +130,7 @@ pub(super) fn complete(
         session.overlay.iter().map(|mesh| (mesh.path.as_path(), &mesh.sha256)).collect();
     if !typed.contains("overlay") {
         for (mesh, sum) in overlays {
-            check(mesh, sum.as_deref()).map_err(|problem| problem.said(mesh, path, "--overlay "))?;
+            check(mesh, sum.as_deref()).map_err(|problem| problem.said(mesh, origin, "--overlay "))?;
         }
     }
     let typed_any = |names: &[&str]| names.iter().any(|name| typed.contains(*name));
@@ -163,6 +164,16 @@ fn shape(args: &RenderArgs, size: &str) -> bool {
     before.zip(of(args.size)).is_some_and(|(before, now)| (before / now - 1.0).abs() < 1e-3)
 }
 
+/// The command that takes another file in the place of one of the picture's; of a mesh the picture comes first.
+fn again(file: &str, picture: &impl std::fmt::Display, is_mesh: bool) -> String {
+    match is_mesh {
+        true => format!(
+            "ballstick render {file} --from {picture} -o NEW.png, and convert that: ballstick convert NEW.png -o OUT"
+        ),
+        false => format!("ballstick render {file} --from {picture} -o OUT"),
+    }
+}
+
 /// What is wrong with a file.
 enum Problem {
     Missing,
@@ -172,10 +183,10 @@ enum Problem {
 
 impl Problem {
     /// In words; `flag` stands before a name on the command line.
-    fn said(&self, file: &Path, picture: &Path, flag: &str) -> String {
+    fn said(&self, file: &Path, (picture, is_mesh): (&Path, bool), flag: &str) -> String {
         let (file_name, picture) = (file.display(), picture.display());
         let short = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
-        let again = |place: &str| format!("ballstick render {flag}{place} --from {picture} -o OUT");
+        let again = |place: &str| again(&format!("{flag}{place}"), &picture, is_mesh);
         match self {
             Problem::Missing => format!(
                 "{picture} was made of {file_name}, which is not there; if it was moved, say where it is: {}",
@@ -206,11 +217,12 @@ fn check(file: &Path, sum: Option<&str>) -> Result<(), Problem> {
 }
 
 /// Where a file of a session is: in its place, or, if it is not there, under its name beside the session.
-fn found(file: &File, picture: &Path) -> Result<PathBuf, String> {
+fn found(file: &File, (picture, is_mesh): (&Path, bool)) -> Result<PathBuf, String> {
     if file.path.as_os_str() == "-" {
         let picture = picture.display();
         return Err(format!(
-            "{picture} was made of standard input; name the file that it was: ballstick render FILE --from {picture} -o OUT"
+            "{picture} was made of standard input; name the file that it was: {}",
+            again("FILE", &picture, is_mesh)
         ));
     }
     match check(&file.path, file.sha256.as_deref()) {
@@ -219,9 +231,9 @@ fn found(file: &File, picture: &Path) -> Result<PathBuf, String> {
             let beside = file.path.file_name().map(|name| picture.with_file_name(name));
             // Of the same name alone it might be anything.
             let same = |path: &PathBuf| file.sha256.is_some() && check(path, file.sha256.as_deref()).is_ok();
-            beside.filter(same).ok_or_else(|| problem.said(&file.path, picture, ""))
+            beside.filter(same).ok_or_else(|| problem.said(&file.path, (picture, is_mesh), ""))
         }
-        Err(problem) => Err(problem.said(&file.path, picture, "")),
+        Err(problem) => Err(problem.said(&file.path, (picture, is_mesh), "")),
     }
 }
 

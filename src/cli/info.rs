@@ -4,6 +4,7 @@
 //! `frames` counts those of all records, or, where a trajectory follows its structure, of that (`trajectories` says more). `bond_orders` counts covalent bonds of order 1 to 3,
 //! aromatic ones only as that. `--explain-bonds` adds the reason of every bond.
 
+use super::apart;
 use super::args::InfoArgs;
 use super::assembly::AssemblyInfo;
 use super::explain::Explanations;
@@ -122,10 +123,25 @@ struct FailureReason {
 pub(super) fn run(args: &InfoArgs, report: &mut Report) {
     let inputs = inputs(&args.files);
     report.start(inputs.len());
+    let is_apart = apart::is_wanted();
+    // How another process ended that was to do it.
+    let mut ended = None;
     for (index, input) in inputs.iter().enumerate() {
         let path = &input.structure;
+        if apart::own_input().is_some_and(|own| own != index) {
+            continue;
+        }
         report.step(index, &path.to_string_lossy());
-        let text = match super::guarded(|| read(input, args, report)) {
+        if is_apart {
+            let files = std::iter::once(&input.structure).chain(&input.trajectories);
+            let files: Vec<&Path> = files.map(PathBuf::as_path).collect();
+            match apart::run(index, &files, None, report) {
+                Ok(_) => continue,
+                Err(error) => ended = Some(error),
+            }
+        }
+        let read = || ended.take().map_or_else(|| read(input, args, report), Err);
+        let text = match super::guarded(read) {
             Ok(info) if args.json => json_line(&info),
             Ok(info) => people_text(&info),
             Err(error) => {

@@ -54,10 +54,12 @@ Examples:
   ballstick info 1crn.pdb                    say what is in it
   ballstick convert 1crn.pdb crambin.json    write another format
 
-A file that is called like a command is opened as ./render, or by `ballstick view render`.
-Results go to standard output, everything else to standard error; `-` is standard input or output.
-Exit status: 0 done (also with warnings), 1 some inputs failed, 2 the command line is wrong,
-128 + N ended by signal N (130 is Ctrl+C). Files are written whole or not at all.";
+A file that is called like a command is opened as ./render, or by
+`ballstick view render`. Results go to standard output, everything else to
+standard error; `-` is standard input or output.
+Exit status: 0 done (also with warnings), 1 some inputs failed, 2 the command
+line is wrong, 128 + N ended by signal N (130 is Ctrl+C). Files are written
+whole or not at all.";
 
 /// What a page says behind the options, by its command; the same sections on all pages come after it.
 const EXAMPLES: [(&str, &[&str]); 4] = [

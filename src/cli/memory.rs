@@ -55,6 +55,14 @@ pub(super) fn too_little_for_drivers() -> Option<String> {
     ))
 }
 
+/// The least limit of the process itself, whatever is used of it, and its name.
+pub(super) fn process_bound() -> Option<(u64, &'static str)> {
+    [(false, "ulimit -v"), (true, "ulimit -d")]
+        .into_iter()
+        .filter_map(|(data, name)| Some((process_limit(data, "")?, name)))
+        .min()
+}
+
 /// Refuses any work where there is next to no memory.
 ///
 /// # Errors

@@ -5,6 +5,7 @@
 //! that knows scenes and renderers.
 
 mod animate;
+mod apart;
 pub mod args;
 pub mod assembly;
 pub mod atoms;
@@ -62,6 +63,10 @@ const ENVIRONMENT: &[(&str, &str)] = &[
         "BALLSTICK_SIMD",
         "The widest vector instructions of the CPU renderer: avx512, avx2 or baseline; what the machine has if it is not set. The picture is the same.",
     ),
+    (
+        "BALLSTICK_DEVICE_MEMORY",
+        "Percent of the memory that a graphics device has free (Vulkan, DirectX) to be used; beyond it the CPU draws. What the driver gives if it is not set.",
+    ),
     ("WGPU_BACKEND", "The interface to graphics devices: vulkan, gl, dx12 or metal."),
     ("XDG_CONFIG_HOME", "Where the window keeps its preferences (Linux); ~/.config if it is not set."),
 ];
@@ -70,6 +75,8 @@ const ENVIRONMENT: &[(&str, &str)] = &[
 /// needs from its start.
 pub fn settle() {
     process::spare_addresses();
+    apart::allow();
+    apart::follow_parent();
 }
 
 /// Runs the program with these arguments, the first being its own name, and gives the exit status.
@@ -91,6 +98,9 @@ enum Begun {
 
 fn begun(arguments: &[OsString]) -> Begun {
     let mut report = report::Report::default();
+    if apart::own_input().is_some() {
+        report.mute();
+    }
     let cli = match parsed(arguments, &report) {
         Ok(cli) => cli,
         Err(status) => return Begun::Ended(status),
@@ -100,7 +110,14 @@ fn begun(arguments: &[OsString]) -> Begun {
         return Begun::Ended(FAILED);
     }
     process::prepare();
-    let done = match cli.command.unwrap_or(Command::View(Box::new(cli.view))) {
+    if let Some(warning) = render::environment_warning().filter(|_| apart::own_input().is_none()) {
+        report.line(&format!("ballstick: warning: {warning}"));
+    }
+    let command = cli.command.unwrap_or(Command::View(Box::new(cli.view)));
+    if !matches!(command, Command::Render(_)) {
+        report.speak(); // there are warnings to come of its own input only
+    }
+    let done = match command {
         Command::View(args) => return Begun::View(args, report),
         Command::Render(args) => picture::run(&args, &mut report, &mut render::Drawer::new(args.renderer, args.limits)),
         Command::Info(args) => {
@@ -177,7 +194,8 @@ fn of_session(args: &solid::ConvertArgs, arguments: &[OsString], report: &report
     let mut as_picture = ["ballstick", "render", "-o", "-", "--to", "png", "--from"].map(OsString::from).to_vec();
     as_picture.push(path.into());
     let picture = parse(&from::expanded(&as_picture, &session, |_| true), report)?;
-    let mut cli = parse(&from::expanded(arguments, &session, solid::has_flag), report)?;
+    let knows = |name: &str| solid::has_flag(name) && !solid::OF_PICTURES.contains(&name) && name != "focus";
+    let mut cli = parse(&from::expanded(arguments, &session, knows), report)?;
     if let (Some(Command::Render(mut picture)), Some(Command::Convert(args))) = (picture.command, &mut cli.command) {
         from::complete(&mut picture, arguments, (path, &session), report)
             .map_err(|message| failed(report, &message))?;

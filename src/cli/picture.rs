@@ -4,6 +4,7 @@
 //! a panic costs only its own picture. Drawing itself is behind [`Draw`], so that this module knows neither scene nor renderer.
 
 use super::animate;
+use super::apart;
 use super::args::{Channel, Named, RenderArgs, SelectArgs};
 use super::batch;
 use super::load::{LoadSeconds, load_for_picture};
@@ -130,11 +131,19 @@ pub(super) fn run(args: &RenderArgs, report: &mut Report, draw: &mut dyn Draw) -
         let name = format.extensions()[0];
         report.warn(&args.output, &format!("{name} cannot be transparent; the background is white"));
     }
-    let skipped = batch::choose(&mut plan, args.batch, &args.look.overlay)?;
+    let places = plan.apart();
+    let skipped = match apart::own_input() {
+        Some(_) => 0,
+        None => batch::choose(&mut plan, args.batch, &args.look.overlay)?,
+    };
     report.start(plan.pictures.len());
     let (report, pixels) = (&*report, u64::from(size.width) * u64::from(size.height));
-    let make = |picture: &Picture, report: &Report, draw: &mut dyn Draw| {
-        one_picture(args, size, (picture, format), report, draw)
+    let make = |picture: &Picture, report: &Report, draw: &mut dyn Draw| match &places {
+        Some(places) => picture.made_apart(places, &args.look.overlay, report),
+        None => {
+            report.speak();
+            one_picture(args, size, (picture, format), report, draw)
+        }
     };
     let tally = batch::run(&plan, pixels, skipped, (report, draw), &make);
     if tally.is_batch() {

@@ -1,5 +1,7 @@
 //! Which inputs go into which picture.
 
+use super::apart;
+use super::report::Report;
 use crate::export::picture::PictureFormat;
 use crate::import::trajectory::{Input, inputs};
 use std::collections::HashMap;
@@ -25,6 +27,34 @@ pub(super) struct Plan {
 pub(super) struct Picture {
     pub(super) inputs: Vec<Input>,
     pub(super) output: PathBuf,
+}
+
+impl Plan {
+    /// Leaves only the picture that is this process' own, if another one began it for that ([`super::apart`]). If this process is
+    /// to begin others, hands out where each picture stands.
+    pub(super) fn apart(&mut self) -> Option<HashMap<PathBuf, usize>> {
+        if let Some(own) = apart::own_input() {
+            let mut number = 0..;
+            self.pictures.retain(|_| number.next() == Some(own));
+            (self.clashes, self.new_folder) = (Vec::new(), None);
+        }
+        let places = || self.pictures.iter().map(|picture| picture.output.clone()).zip(0..).collect();
+        apart::is_wanted().then(places)
+    }
+}
+
+impl Picture {
+    /// Has another process make it, of all those that stand at these `places`; `also` are files that it needs as well.
+    pub(super) fn made_apart(
+        &self,
+        places: &HashMap<PathBuf, usize>,
+        also: &[PathBuf],
+        report: &Report,
+    ) -> crate::Result<bool> {
+        let files = self.inputs.iter().flat_map(|input| std::iter::once(&input.structure).chain(&input.trajectories));
+        let files: Vec<&Path> = files.chain(also).map(PathBuf::as_path).collect();
+        apart::run(places.get(&self.output).copied().unwrap_or(0), &files, Some(&self.output), report)
+    }
 }
 
 #[derive(Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use crate::cli::args::Channel;
 use crate::crystal::Drawn;
 use crate::error::{Error, Result};
 use crate::import;
-use crate::render::cpu::simd::Level;
+use crate::render::cpu::simd::{Level, VARIABLE};
 use crate::render::{Choice, DeviceLimits, Quality, Renderer, Selection, Settings, View, crop, select, select_under};
 use crate::scene::{
     AltlocChoice, Aromatic, AtomPlace, Background, Camera, ColorBy, DepthOfField, Item, LabelContent, LightFrame, Look,
@@ -192,6 +192,14 @@ impl Draw for Drawer {
         let new = || -> Box<dyn Draw> { Box::new(Drawer::with(Choice::Cpu, DeviceLimits::Full)) };
         is_cpu.then(|| Box::new(new) as Box<dyn Fn() -> Box<dyn Draw> + Sync>)
     }
+}
+
+/// What is wrong with the environment variables that the renderers read.
+pub(super) fn environment_warning() -> Option<String> {
+    let unknown = Level::unknown()?;
+    let names = Level::ALL.map(Level::name).join(", ");
+    let used = Level::used().name();
+    Some(format!("{VARIABLE}={unknown} is none of {names}, and counts for nothing: {used} is used"))
 }
 
 /// Samples and directions of the sky.

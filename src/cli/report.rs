@@ -5,7 +5,7 @@ use crate::structure::Diagnostic;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::time::Duration;
 
@@ -16,18 +16,36 @@ const BAR_AFTER: Duration = Duration::from_secs(1);
 #[derive(Default)]
 pub(super) struct Report {
     failures: AtomicUsize,
+    /// Whether warnings and notes are left out: another process has said them.
+    is_mute: AtomicBool,
     bar: Option<(ProgressBar, Sender<()>)>,
 }
 
 impl Report {
     /// Something went on with a loss.
     pub(super) fn warn(&self, path: &Path, message: &str) {
-        self.line(&format!("ballstick: {}: warning: {message}", path.display()));
+        self.remark(&format!("ballstick: {}: warning: {message}", path.display()));
     }
 
     /// Something that is worth knowing and no loss.
     pub(super) fn note(&self, path: &Path, message: &str) {
-        self.line(&format!("ballstick: {}: note: {message}", path.display()));
+        self.remark(&format!("ballstick: {}: note: {message}", path.display()));
+    }
+
+    /// Leaves warnings and notes out until [`Report::speak`].
+    pub(super) fn mute(&self) {
+        self.is_mute.store(true, Ordering::Relaxed);
+    }
+
+    /// Says warnings and notes again.
+    pub(super) fn speak(&self) {
+        self.is_mute.store(false, Ordering::Relaxed);
+    }
+
+    fn remark(&self, text: &str) {
+        if !self.is_mute.load(Ordering::Relaxed) {
+            self.line(text);
+        }
     }
 
     /// What a reader noticed.
@@ -46,8 +64,13 @@ impl Report {
 
     /// As [`Report::fail`], in other words.
     pub(super) fn fail_with(&self, message: &str) {
-        self.failures.fetch_add(1, Ordering::Relaxed);
+        self.count_failure();
         self.line(&format!("ballstick: error: {message}"));
+    }
+
+    /// An input failed, and that was said.
+    pub(super) fn count_failure(&self) {
+        self.failures.fetch_add(1, Ordering::Relaxed);
     }
 
     /// A line as it is, but for control characters: texts from files must not steer the terminal.

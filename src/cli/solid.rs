@@ -1,6 +1,6 @@
 //! `ballstick convert FILE… -o x.glb`: the scene that `render` would draw, as triangles for other programs.
 
-use super::args::{BondArgs, CrystalArgs, LookArgs, Named, SelectArgs};
+use super::args::{BondArgs, CrystalArgs, LightArg, LookArg, LookArgs, Named, SelectArgs};
 use super::from::Origin;
 use super::load::{LoadSeconds, load_as};
 use super::render::{Asked, overlay, scene_of};
@@ -20,8 +20,9 @@ const LEAST_PRINTED_MM: f64 = 0.8;
 
 /// What stands below the flags of `convert`.
 const AFTER_CONVERT: &str = "\
-Formats: json, cjson, mmcif, mol2, pdb, sdf, sdf-v3000, xyz, extxyz hold one molecule file's atoms and
-bonds; glb, gltf, obj (with mtl), stl, ply hold what would be drawn, with the same flags as render.
+Formats: json, cjson, mmcif, mol2, pdb, sdf, sdf-v3000, xyz, extxyz hold one
+molecule file's atoms and bonds; glb, gltf, obj (with mtl), stl, ply hold what would be drawn, with the
+same flags as render (those of light, lines and background have no effect).
 
 Examples:
   ballstick convert 1crn.pdb crambin.json
@@ -29,7 +30,9 @@ Examples:
   ballstick convert quartz.cif -o quartz.stl --supercell 2x2x2 --scale 5
   ballstick convert session.json -o figure.glb
 
-In STL each ball and stick is a closed shell that reaches into its neighbours; slicers unite them.";
+In STL each ball and stick is a closed shell that reaches into its neighbours;
+slicers unite them. An obj has its colours in an mtl of the same name beside it;
+one that another program wrote is never replaced.";
 
 /// `ballstick convert`.
 #[derive(Debug, Clone, Args)]
@@ -238,6 +241,7 @@ fn export(
     let (scene, notes) = scene_of(&drawn, asked)?;
     notices.extend(scene.unmatched.iter().map(|flag| format!("{flag}: there is no such atom")));
     notices.extend(texts(&args.look));
+    notices.extend(of_pictures(&args.look));
     notices.iter().for_each(|notice| report.warn(output, notice));
     notes.iter().for_each(|note| report.note(output, note));
     let sources: Vec<Source<'_>> =
@@ -255,6 +259,28 @@ fn texts(look: &LookArgs) -> Option<String> {
     let has_labels = text.label.iter().any(|label| label.name() != "none");
     let has_any = has_labels || text.legend || text.scale_bar;
     has_any.then(|| "labels, legend and scale bar are a picture's, and not written".to_owned())
+}
+
+/// Flags that say how light falls and what is behind the molecule, by their names: meshes have neither.
+pub(super) const OF_PICTURES: [&str; 8] =
+    ["look", "outline", "outline-color", "fog", "depth-of-field", "light", "background", "ground"];
+
+/// What was asked for of [`OF_PICTURES`].
+fn of_pictures(look: &LookArgs) -> Option<String> {
+    let is_asked = [
+        look.look != LookArg::Studio,
+        look.outline.is_some(),
+        look.outline_color.is_some(),
+        look.fog.is_some(),
+        look.depth_of_field.is_some(),
+        look.light != LightArg::Camera,
+        look.background.is_some(),
+        look.ground,
+    ];
+    let asked = OF_PICTURES.iter().zip(is_asked).filter(|(_, is_asked)| *is_asked);
+    let asked: Vec<String> = asked.map(|(name, _)| format!("--{name}")).collect();
+    let [are, have] = if asked.len() > 1 { ["are", "have"] } else { ["is", "has"] };
+    (!asked.is_empty()).then(|| format!("{} {are} for pictures and {have} no effect on meshes", asked.join(", ")))
 }
 
 /// How large a print is, where that was chosen here, and whether it is thin.

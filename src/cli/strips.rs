@@ -17,6 +17,10 @@ const COLOR_PIXELS: u32 = 1 << 24;
 /// Pixels of a strip of depth, normals, ids and the sky's part, which take some 30 bytes each while they are found.
 const SURFACE_PIXELS: u32 = 1 << 22;
 
+/// Pixels of a strip where memory is to be spared: a row of tiles of a picture of 8192 pixels a row. With light from afar
+/// such a strip takes some 10 MB at the most.
+const SPARED_PIXELS: u32 = 1 << 18;
+
 /// Rows of a tile of the CPU renderer: fewer would be drawn for nothing.
 const TILE_ROWS: u32 = 32;
 
@@ -53,7 +57,12 @@ pub(super) fn write(
 ) -> Result<Seconds> {
     let Target { region, channel, format, path } = *target;
     let started = Instant::now();
-    let strips = strips(region, if channel == Channel::Color { COLOR_PIXELS } else { SURFACE_PIXELS });
+    let most = match channel {
+        _ if super::apart::is_sparing() => SPARED_PIXELS,
+        Channel::Color => COLOR_PIXELS,
+        _ => SURFACE_PIXELS,
+    };
+    let strips = strips(region, most);
     let Some((first, others)) = strips.split_first() else { return Ok(Seconds::default()) };
     let mut painter = Painter { draw, channel, seconds: 0.0 };
     let mut pixels = painter.part(first)?;

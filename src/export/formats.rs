@@ -248,6 +248,12 @@ pub(super) fn is_heavy_hydrogen(structure: &Structure, atom: usize) -> bool {
     matches!(structure.isotope(atom), 2 | 3) && structure.elements()[atom] == Element::H
 }
 
+/// The names of all formats, for people.
+fn names() -> String {
+    let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
+    names.join(", ")
+}
+
 impl StructureFormat {
     /// The format of a name or extension, in any case.
     ///
@@ -257,8 +263,7 @@ impl StructureFormat {
         let lower = name.to_ascii_lowercase();
         let found = FORMATS.iter().find(|format| format.name == lower || format.extensions.contains(&lower.as_str()));
         found.copied().ok_or_else(|| {
-            let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
-            Error::Unsupported(format!("cannot write structures as {name}; the formats are {}", names.join(", ")))
+            Error::Unsupported(format!("cannot write structures as {name}; the formats are {}", names()))
         })
     }
 
@@ -270,7 +275,11 @@ impl StructureFormat {
         match path.extension() {
             Some(extension) => Self::from_name(&extension.to_string_lossy()),
             None => {
-                let message = format!("{}: the name says no format; give one with --to", path.display());
+                let message = format!(
+                    "{}: the name has no ending that says the format; give it one, or --to: for structures {}",
+                    path.display(),
+                    names()
+                );
                 Err(Error::Unsupported(message))
             }
         }

@@ -226,7 +226,24 @@ mod tests {
     #[cfg(feature = "gpu")]
     #[test]
     fn a_device_that_is_destroyed_leaves_its_pictures_to_the_cpu() {
-        use crate::render::gpu::GpuRenderer;
+        fails_at_any_moment("lost", || {
+            let (gpu, lose) = crate::render::gpu::GpuRenderer::with_loss().unwrap();
+            (Box::new(gpu), Box::new(lose))
+        });
+    }
+
+    /// wgpu hands this error over at the end of a scope, whatever was asked for in it.
+    #[cfg(feature = "gpu")]
+    #[test]
+    fn a_device_that_is_out_of_memory_leaves_its_pictures_to_the_cpu() {
+        fails_at_any_moment("the device is out of memory", || {
+            let (gpu, exhaust) = crate::render::gpu::GpuRenderer::with_exhaustion().unwrap();
+            (Box::new(gpu), Box::new(exhaust))
+        });
+    }
+
+    #[cfg(feature = "gpu")]
+    fn fails_at_any_moment(how: &str, made: impl Fn() -> (Box<dyn Renderer>, Box<dyn Fn()>)) {
         let ball = b"1\n\nC 0 0 0\n";
         let document = crate::import::read_bytes(ball, "c.xyz", &Default::default()).unwrap();
         let items = [crate::scene::Item::of(&document.records[0])];
@@ -237,8 +254,8 @@ mod tests {
         cpu.load(Arc::clone(&scene)).unwrap();
         let expected = cpu.image(&view, &settings).unwrap();
         for moment in ["before the scene", "before the picture", "after a picture"] {
-            let (gpu, lose) = GpuRenderer::with_loss().unwrap();
-            let mut renderer = WithFallback::around(Box::new(gpu));
+            let (gpu, lose) = made();
+            let mut renderer = WithFallback::around(gpu);
             if moment == "before the scene" {
                 lose();
             }
@@ -252,7 +269,7 @@ mod tests {
             assert!(second == expected && (moment == "after a picture" || first == expected), "{moment}");
             let notices = renderer.take_notices();
             assert!(
-                matches!(notices.as_slice(), [said] if said.contains("lost") && said.contains("CPU renderer takes over")),
+                matches!(notices.as_slice(), [said] if said.contains(how) && said.contains("CPU renderer takes over")),
                 "{moment}: {notices:?}"
             );
             assert_eq!(renderer.name(), "cpu", "{moment}");

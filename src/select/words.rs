@@ -280,15 +280,16 @@ pub(super) fn likely(text: &str) -> Option<String> {
     }
 }
 
-/// Columns of the help.
-const COLUMNS: usize = 98;
+/// Columns of the help: what any terminal shows.
+const COLUMNS: usize = 78;
 
 /// The language in lines that a person can read: for `--help` and the window.
 #[must_use]
 pub fn help() -> String {
     let mut text = String::from(
-        "Selections name atoms by words, joined by and, or, not and parentheses, in any case. Names take\n\
-         * and ? for any letters, and quotes where they have blanks or are words of the language:\n",
+        "Selections name atoms by words, joined by and, or, not and parentheses, in\n\
+         any case. Names take * and ? for any letters, and quotes where they have\n\
+         blanks or are words of the language:\n",
     );
     let width = WORDS.iter().map(|word| word.usage.len()).max().unwrap_or(0);
     for word in WORDS {

@@ -155,6 +155,16 @@ fn a_window_draws_nothing_at_rest_and_does_not_grow() {
 
 #[test]
 fn a_lost_device_leaves_the_window_to_the_cpu() {
+    the_cpu_takes_over("BALLSTICK_LOSE_DEVICE");
+}
+
+#[test]
+fn a_device_without_memory_leaves_the_window_to_the_cpu() {
+    the_cpu_takes_over("BALLSTICK_EXHAUST_DEVICE");
+}
+
+/// At the twelfth picture of the device, at which this variable has it fail.
+fn the_cpu_takes_over(variable: &str) {
     let [folder, preferences, screen] = [(); 3].map(|()| tempfile::tempdir().unwrap());
     let Some((_xvfb, display)) = display(screen.path()) else { return };
     let devices = Command::new(BALLSTICK).arg("devices").env("DISPLAY", &display).output().unwrap();
@@ -166,7 +176,7 @@ fn a_lost_device_leaves_the_window_to_the_cpu() {
     }
     let file = data("caffeine.sdf");
     let arguments = [file.to_str().unwrap(), "--renderer", "gpu"];
-    let environment = [("DISPLAY", display.as_str()), ("BALLSTICK_LOSE_DEVICE", "12")];
+    let environment = [("DISPLAY", display.as_str()), (variable, "12")];
     let window = Told::open(folder.path(), preferences.path(), &arguments, &environment);
     window_of(&display);
     // Until the twelfth picture, and some more.

@@ -2,7 +2,8 @@
 //!
 //! An object (`o`) for every molecule and overlay, a group (`g`) for every residue, as in `A_GLY_12`, else for every kind of primitive. Overlays have the
 //! colours of their vertices as six numbers behind `v`, which many programs read; then all vertices have, since some read them only so. The MTL file is written when the OBJ file is whole
-//! and only its name is missing, so that a run that fails leaves both as they were. To standard output goes the OBJ alone.
+//! and only its name is missing, so that a run that fails leaves both as they were. One that another program wrote is not replaced: its name was not
+//! given, and other OBJ files may need it. To standard output goes the OBJ alone.
 
 use super::pieces::Piece;
 use super::{Model, Totals, names};
@@ -11,7 +12,7 @@ use crate::error::Result;
 use crate::export::atomic;
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Digits behind the point for ångström: a tenth of the least error.
@@ -20,6 +21,9 @@ const DECIMALS: i32 = 5;
 pub(super) fn write(model: &Model<'_>, totals: &Totals, path: &Path) -> Result<()> {
     let library = library_of(path);
     let name = library.as_deref().map(one_line).transpose()?;
+    if let Some(library) = &library {
+        check_library(library)?;
+    }
     let unit = model.options.unit;
     let decimals = (DECIMALS - unit.per_angstrom().log10().round() as i32).max(0) as usize;
     let materials = materials(model).map_err(|error| crate::Error::Unsupported(error.to_string()))?;
@@ -102,9 +106,26 @@ fn one_line(library: &Path) -> Result<&str> {
     })
 }
 
+/// Begins every MTL file that is written here.
+const LIBRARY_MARK: &str = "# ballstick";
+
+/// Refuses to replace an MTL file of another program: nobody has named it.
+fn check_library(library: &Path) -> Result<()> {
+    let mut begin = [0; LIBRARY_MARK.len()];
+    let is_file = std::fs::metadata(library).is_ok_and(|metadata| metadata.is_file());
+    let Some(mut file) = is_file.then(|| std::fs::File::open(library).ok()).flatten() else { return Ok(()) };
+    if file.read_exact(&mut begin).is_ok() && begin == *LIBRARY_MARK.as_bytes() {
+        return Ok(());
+    }
+    Err(crate::Error::Unsupported(format!(
+        "{} is there, and ballstick did not write it; the colours of the OBJ file go there: give the OBJ another name, or move that file away",
+        library.display()
+    )))
+}
+
 fn write_library(materials: &BTreeMap<String, Srgb8>, library: &Path) -> Result<()> {
     atomic::write(library, |out| {
-        writeln!(out, "# ballstick: colours are sRGB")?;
+        writeln!(out, "{LIBRARY_MARK}: colours are sRGB")?;
         for (name, color) in materials {
             let [r, g, b, a] = [color.r, color.g, color.b, color.a].map(|byte| f64::from(byte) / 255.0);
             writeln!(out, "newmtl {name}\nKd {r:.4} {g:.4} {b:.4}\nKs 0.2 0.2 0.2\nNs 40\nd {a:.4}\nillum 2")?;

@@ -80,6 +80,12 @@ fn of_sample(turns: &Turns, sample: u32) -> Range<usize> {
     start..start + turns.each as usize
 }
 
+/// Whether there are so many bytes, with half as many for all else. Under a limit of the process' memory (`ulimit -v`, `ulimit -d`) it
+/// may not be so; a system without limits gives what is never touched.
+fn can_be_had(bytes: usize) -> bool {
+    Vec::<u8>::new().try_reserve_exact(bytes.saturating_add(bytes / 2)).is_ok()
+}
+
 impl Lights {
     /// Nothing is asked.
     pub(super) fn none() -> Lights {
@@ -119,8 +125,9 @@ impl Lights {
         };
         let all = (self.sky.sights.len() + self.key.sights.len()) * bytes;
         let one = (self.sky.turns.each + self.key.turns.each) as usize * bytes;
-        let most = [16, 4].into_iter().find(|&part| part as usize * one <= most_bytes).unwrap_or(1);
-        let part = if all <= most_bytes { samples } else { most };
+        let is_possible = |bytes: usize| bytes <= most_bytes && can_be_had(bytes);
+        let most = [16, 4].into_iter().find(|&part| is_possible(part as usize * one)).unwrap_or(1);
+        let part = if is_possible(all) { samples } else { most };
         (0..samples).step_by(part as usize).map(|start| start..samples.min(start + part)).collect()
     }
 }

@@ -57,6 +57,14 @@ impl Level {
         })
     }
 
+    /// What [`VARIABLE`] holds if that is the name of no level; it counts for nothing.
+    #[must_use]
+    pub fn unknown() -> Option<String> {
+        let asked = std::env::var_os(VARIABLE)?.to_string_lossy().into_owned();
+        let is_known = asked.is_empty() || Level::ALL.into_iter().any(|level| asked == level.name());
+        (!is_known).then_some(asked)
+    }
+
     #[cfg(target_arch = "x86_64")]
     fn of_machine() -> Level {
         let has_avx512 = std::arch::is_x86_feature_detected!("avx512f")

@@ -13,6 +13,7 @@ use crate::render::outline::{Outline, RIM};
 use crate::render::solids::{Cone, Cylinder, Primitive, Solids, Sphere, Torus, Triangle};
 use crate::scene::{PixelGrid, Ray};
 use glam::Vec3;
+use std::alloc::Layout;
 use std::ops::Range;
 
 /// Blocks on a side of a tile, at most.
@@ -223,7 +224,8 @@ pub(super) struct Tile {
 impl Tile {
     /// Room for a tile, which [`Tile::clear`] makes ready.
     pub(super) fn new() -> Box<Tile> {
-        bytemuck::zeroed_box()
+        // Without memory the end is that of all others, not a panic.
+        bytemuck::try_zeroed_box().unwrap_or_else(|()| std::alloc::handle_alloc_error(Layout::new::<Tile>()))
     }
 
     /// Takes away what was seen before.

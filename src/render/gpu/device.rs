@@ -6,7 +6,7 @@
 use super::adapter::{AdapterReport, Opened};
 use crate::error::{Error, Result};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -58,6 +58,8 @@ pub(super) struct Gpu {
     pub(super) report: Option<AdapterReport>,
     trouble: Arc<Trouble>,
     work: Mutex<Work>,
+    /// Whether a test has the device be out of memory.
+    exhausted: Arc<AtomicBool>,
 }
 
 impl Gpu {
@@ -74,7 +76,7 @@ impl Gpu {
             on_loss.record(format!("the device is lost ({reason:?}): {message}"));
         });
         let limits = device.limits();
-        Gpu { device, queue, limits, report, trouble, work: Mutex::default() }
+        Gpu { device, queue, limits, report, trouble, work: Mutex::default(), exhausted: Arc::default() }
     }
 
     /// Whether the device computes, with what [`super::passes::cull`] needs: seven storage buffers, lists as vertices, indirect draws. It has
@@ -93,6 +95,18 @@ impl Gpu {
         add(&mut self.work.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
+    /// From now on every scope of errors that is closed has one of memory in it.
+    pub(super) fn exhaust(&self) {
+        self.exhausted.store(true, Ordering::Relaxed);
+    }
+
+    /// What does that while something else has this.
+    #[cfg(test)]
+    pub(super) fn exhausting(&self) -> impl Fn() + use<> {
+        let exhausted = Arc::clone(&self.exhausted);
+        move || exhausted.store(true, Ordering::Relaxed)
+    }
+
     /// Makes every later step fail with this.
     pub(super) fn record(&self, what: String) {
         self.trouble.record(what);
@@ -105,11 +119,14 @@ impl Gpu {
         let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let internal = self.device.push_error_scope(wgpu::ErrorFilter::Internal);
         let done = work();
-        let errors = [
+        let mut errors = [
             pollster::block_on(internal.pop()),
             pollster::block_on(validation.pop()),
             pollster::block_on(memory.pop()),
         ];
+        if self.exhausted.load(Ordering::Relaxed) {
+            errors[2] = Some(wgpu::Error::OutOfMemory { source: "a test says so".into() });
+        }
         // Callbacks run in polls only: without one a loss would show a step late.
         self.poll(wgpu::PollType::Poll).ok();
         // A lost device refuses all that is made on it: the loss is what to tell.

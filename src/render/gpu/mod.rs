@@ -114,8 +114,10 @@ impl GpuRenderer {
     }
 
     fn open(wish: AdapterWish, limits: Option<&wgpu::Limits>) -> Result<GpuRenderer> {
-        let instance = instance(wish, None)?;
-        let (gpu, _) = Gpu::new(adapter::open(wish, &instance, None, limits)?);
+        if wish == AdapterWish::Hardware {
+            adapter::check_for_hardware()?;
+        }
+        let (gpu, _) = Gpu::new(adapter::open_without_window(wish, limits)?);
         GpuRenderer::on(gpu)
     }
 
@@ -179,12 +181,26 @@ impl GpuRenderer {
         self.gpu.device.destroy();
     }
 
+    /// Has the device be out of memory from now on: every later call gets the error that wgpu hands over then. For tests of the fall back to
+    /// the CPU.
+    pub fn exhaust_device(&self) {
+        self.gpu.exhaust();
+    }
+
     /// A renderer that draws nothing, and what destroys its device while something else has the renderer.
     #[cfg(test)]
     pub(crate) fn with_loss() -> Result<(GpuRenderer, impl Fn())> {
         let renderer = GpuRenderer::noop(&wgpu::Limits::downlevel_webgl2_defaults())?;
         let device = renderer.gpu.device.clone();
         Ok((renderer, move || device.destroy()))
+    }
+
+    /// The same with what uses its memory up.
+    #[cfg(test)]
+    pub(crate) fn with_exhaustion() -> Result<(GpuRenderer, impl Fn())> {
+        let renderer = GpuRenderer::noop(&wgpu::Limits::downlevel_webgl2_defaults())?;
+        let exhaust = renderer.gpu.exhausting();
+        Ok((renderer, exhaust))
     }
 
     /// The loaded scene, or an empty one.
@@ -290,13 +306,6 @@ impl GpuRenderer {
 /// Whether any light from afar is asked for.
 fn asks(settings: &Settings) -> bool {
     settings.ao > 0 || settings.shadow
-}
-
-fn instance(wish: AdapterWish, display: Option<adapter::Display>) -> Result<wgpu::Instance> {
-    if wish == AdapterWish::Hardware {
-        adapter::check_for_hardware()?;
-    }
-    adapter::instance(display).ok_or_else(|| Error::Gpu("this build has no graphics backend".to_owned()))
 }
 
 impl Renderer for GpuRenderer {
