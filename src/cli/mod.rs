@@ -63,10 +63,6 @@ const ENVIRONMENT: &[(&str, &str)] = &[
         "BALLSTICK_SIMD",
         "The widest vector instructions of the CPU renderer: avx512, avx2 or baseline; what the machine has if it is not set. The picture is the same.",
     ),
-    (
-        "BALLSTICK_DEVICE_MEMORY",
-        "Percent of the memory that a graphics device has free (Vulkan, DirectX) to be used; beyond it the CPU draws. What the driver gives if it is not set.",
-    ),
     ("WGPU_BACKEND", "The interface to graphics devices: vulkan, gl, dx12 or metal."),
     ("XDG_CONFIG_HOME", "Where the window keeps its preferences (Linux); ~/.config if it is not set."),
 ];

@@ -242,14 +242,89 @@ mod tests {
         });
     }
 
+    /// A device of which each picture asks too much.
+    #[cfg(all(unix, feature = "gpu"))]
+    struct Overfull(crate::render::gpu::GpuRenderer);
+
+    #[cfg(all(unix, feature = "gpu"))]
+    impl Renderer for Overfull {
+        fn name(&self) -> String {
+            self.0.name()
+        }
+
+        fn load(&mut self, scene: Arc<Scene>) -> Result<()> {
+            self.0.load(scene)
+        }
+
+        fn image(&mut self, view: &View, settings: &Settings) -> Result<Image> {
+            self.0.take_gibibytes(64)?;
+            self.0.image(view, settings)
+        }
+
+        fn gbuffer(&mut self, view: &View) -> Result<GBuffer> {
+            self.0.gbuffer(view)
+        }
+
+        fn sky_visibility(&mut self, view: &View, directions: u32) -> Result<SkyVisibility> {
+            self.0.sky_visibility(view, directions)
+        }
+    }
+
+    /// One ball, and how it is drawn.
     #[cfg(feature = "gpu")]
-    fn fails_at_any_moment(how: &str, made: impl Fn() -> (Box<dyn Renderer>, Box<dyn Fn()>)) {
+    fn ball() -> (Arc<Scene>, View, Settings) {
         let ball = b"1\n\nC 0 0 0\n";
         let document = crate::import::read_bytes(ball, "c.xyz", &Default::default()).unwrap();
         let items = [crate::scene::Item::of(&document.records[0])];
         let scene = Arc::new(Scene::new(&items, &Default::default()));
         let view = View::new(scene.fitted_camera(1.0), 16, 16);
-        let settings = Settings { samples: 1, ground_texels: 16, ao: 4, shadow: true };
+        (scene, view, Settings { samples: 1, ground_texels: 16, ao: 4, shadow: true })
+    }
+
+    /// Not a test: what the next one runs under a limit of memory.
+    #[cfg(all(unix, feature = "gpu"))]
+    #[test]
+    #[ignore = "needs a limit of memory, which a test sets that starts it"]
+    fn draws_with_an_overfull_device() {
+        use crate::render::gpu::{AdapterWish, GpuRenderer};
+        let Ok(gpu) = GpuRenderer::new(AdapterWish::Any) else {
+            println!("there is no device");
+            return;
+        };
+        let (scene, view, settings) = ball();
+        let mut renderer = WithFallback::around(Box::new(Overfull(gpu)));
+        renderer.load(Arc::clone(&scene)).unwrap();
+        let image = renderer.image(&view, &settings).unwrap();
+        let mut cpu = CpuRenderer::new();
+        cpu.load(scene).unwrap();
+        assert!(image == cpu.image(&view, &settings).unwrap());
+        println!("{:?}", renderer.take_notices());
+    }
+
+    /// The driver itself refuses: lavapipe gives what the system gives, and of 64 GiB of addresses a limit of 16 GB leaves none.
+    #[cfg(all(target_os = "linux", feature = "gpu"))]
+    #[test]
+    fn a_driver_that_refuses_memory_leaves_the_picture_to_the_cpu() {
+        let program = std::env::current_exe().unwrap();
+        let line = format!(
+            "ulimit -v 16000000 && exec '{}' --ignored --exact --nocapture render::select::tests::draws_with_an_overfull_device",
+            program.display()
+        );
+        let output = std::process::Command::new("sh").args(["-c", &line]).output().unwrap();
+        let [out, err] = [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+        assert!(output.status.success(), "{:?}\n{out}\n{err}", output.status);
+        if out.contains("there is no device") {
+            assert!(std::env::var("BALLSTICK_GPU").as_deref() != Ok("require"), "lavapipe is not installed");
+            println!("SKIP there is no device");
+            return;
+        }
+        let said = "GPU: filling the memory: the device is out of memory; the CPU renderer takes over";
+        assert!(out.contains(said), "{out}\n{err}");
+    }
+
+    #[cfg(feature = "gpu")]
+    fn fails_at_any_moment(how: &str, made: impl Fn() -> (Box<dyn Renderer>, Box<dyn Fn()>)) {
+        let (scene, view, settings) = ball();
         let mut cpu = CpuRenderer::new();
         cpu.load(Arc::clone(&scene)).unwrap();
         let expected = cpu.image(&view, &settings).unwrap();

@@ -195,6 +195,11 @@ fn a_session_becomes_the_mesh_of_what_it_shows() {
     assert!(read("seen.ply") == read("asked.ply"));
     let error = case.run(&["convert", "s.json", "x.cif"]).status(1).err();
     assert!(error.contains("s.json"), "{error}");
+    // What is advised can be done.
+    fs::write(case.path("water.xyz"), WATER.replace("0.117", "0.118")).unwrap();
+    let error = case.run(&["convert", "a.png", "x.glb"]).status(1).err();
+    assert!(error.contains("render water.xyz --from a.png -o NEW.png"), "{error}");
+    assert!(error.contains("ballstick convert NEW.png -o OUT"), "{error}");
     fs::remove_file(case.path("water.xyz")).unwrap();
     assert!(case.run(&["convert", "s.json", "x.glb"]).status(1).err().contains("water.xyz"));
 }

@@ -589,3 +589,57 @@ fn an_unknown_colour_is_told_which_was_meant() {
     draw(&["--background", "wite"]).status(2).says("did you mean white?");
     draw(&["--outline-color", "stealblue"]).status(2).says("did you mean steelblue?");
 }
+
+#[test]
+fn what_has_no_effect_or_no_meaning_is_said() {
+    let case = Case::new(&[("water.xyz", WATER)]);
+    let mesh = |flags: &[&str]| case.run(&[&["convert", "water.xyz", "a.ply"][..], flags].concat()).status(0);
+    mesh(&["--fog", "0.5", "--background=red"]).says("--fog, --background are for pictures");
+    mesh(&["--look=dark"]).says("--look is for pictures and has no effect");
+    assert_eq!(mesh(&["--style=licorice", "--projection=orthographic", "--no-ground"]).err(), "");
+    let names = "json, cjson, mmcif, mol2, pdb, sdf, sdf-v3000, xyz, extxyz; and for what would be drawn glb";
+    case.run(&["convert", "water.xyz", "b.xyz123"]).status(2).says("xyz123").says(names);
+    case.run(&["convert", "water.xyz", "noending"]).status(2).says("noending").says("--to").says(names);
+    let level = |name: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_ballstick"));
+        command.args(["info", "water.xyz"]).current_dir(case.path("")).env("BALLSTICK_SIMD", name);
+        Run(command.output().unwrap()).status(0)
+    };
+    level("avx1024").says("BALLSTICK_SIMD=avx1024 is none of baseline, avx2, avx512");
+    assert_eq!((level("baseline").err(), level("").err()), (String::new(), String::new()));
+}
+
+#[test]
+fn colours_of_another_program_stay() {
+    let case = Case::new(&[("water.xyz", WATER), ("house.mtl", "newmtl wall\n"), ("empty.mtl", "")]);
+    for name in ["house", "empty"] {
+        let run = case.run(&["convert", "water.xyz", "-o", &format!("{name}.obj")]).status(1);
+        run.says(&format!("{name}.mtl is there, and ballstick did not write it"));
+    }
+    assert_eq!(case.read("house.mtl"), "newmtl wall\n");
+    assert_eq!(case.names(""), ["empty.mtl", "house.mtl", "water.xyz"]);
+    // Its own it replaces, as the OBJ file.
+    case.run(&["convert", "water.xyz", "a.obj"]).status(0);
+    let before = case.read("a.mtl");
+    case.run(&["convert", "water.xyz", "a.obj", "--color=element O=teal"]).status(0);
+    assert!(case.read("a.mtl") != before);
+}
+
+/// Lists that are broken in the middle of a line are hard to read.
+#[test]
+fn help_fits_a_terminal_of_80_columns() {
+    for command in ["view", "render", "info", "convert", "devices", "manual", "completions", "--version"] {
+        for help in ["-h", "--help"] {
+            let arguments = if command == "--version" { vec![help] } else { vec![command, help] };
+            let run = |columns: &str| {
+                let mut line = Command::new(env!("CARGO_BIN_EXE_ballstick"));
+                Run(line.args(&arguments).env("COLUMNS", columns).output().unwrap()).status(0).out()
+            };
+            let [narrow, wide] = ["80", "100"].map(run);
+            assert!(narrow.lines().all(|line| line.chars().count() <= 80), "{arguments:?}");
+            // What stands below the flags is laid out by hand: the terminal changes nothing.
+            let below = |text: &str| text.rsplit_once("Examples:").map(|(_, below)| below.to_owned());
+            assert_eq!(below(&narrow), below(&wide), "{arguments:?}");
+        }
+    }
+}

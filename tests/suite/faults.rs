@@ -409,26 +409,6 @@ fn too_little_memory_is_said_before_it_is_used_up() {
     assert!(!place.names().iter().any(|name| name.as_bytes().starts_with(b"a.")));
 }
 
-/// Addresses that threads set aside and never use do not count.
-#[test]
-fn every_limit_of_addresses_that_is_enough_is_enough() {
-    let place = Place::new();
-    let mut drawn = 0;
-    for limit in (80_000..=400_000).step_by(20_000) {
-        let line = format!(
-            "ulimit -v {limit} 2>/dev/null || exit 77; ballstick render methane.xyz -o a.png --renderer cpu --quality draft --size 2000x1500"
-        );
-        let output = place.command(&line).output().unwrap();
-        let error = String::from_utf8_lossy(&output.stderr);
-        match output.status.code() {
-            Some(0) => drawn += 1,
-            Some(1) => assert!(drawn == 0 && error.contains("ulimit -v"), "{limit}: {error}"),
-            status => panic!("{limit}: {status:?} {error}"),
-        }
-    }
-    assert!(drawn > 8, "{drawn}");
-}
-
 #[test]
 fn names_of_any_bytes_are_read_written_and_printed_safely() {
     let place = Place::new();

@@ -2,7 +2,7 @@
 //!
 //! Where a new test goes: what one module does is tested beside its code; what several do together here, by topic.
 //! `layering` the order of the modules and the size of files; `corpus` real files with independent truth; `bond_tables` our bonds beside those of toolkits; `perceive` listed bonds found
-//! again from the positions alone; `ligands` residues beside the component dictionary; `crystals` of proteins; `culling` what the GPU leaves out; `dependencies` what the program is built of; `examples` those of the library; `faults` what goes wrong around the program, `threats` what comes with its files; `files` what these run over; `mmcif` CIF written and read again; `bad_input` truncated
+//! again from the positions alone; `ligands` residues beside the component dictionary; `crystals` of proteins; `culling` what the GPU leaves out; `dependencies` what the program is built of; `examples` those of the library; `faults` what goes wrong around the program, `threats` what comes with its files; `files` what these run over; `memory` what limits of it leave; `mmcif` CIF written and read again; `bad_input` truncated
 //! and corrupted ones; `roundtrip` written and read again; `schema` our JSON and its schema; `golden` small pictures, one idea each; `parity` CPU against GPU; `shaders` WGSL without a GPU; `sky` visibility of the sky against rays; `cli` the program
 //! as a user runs it; `again` pictures made again, and films; `assemblies` as placements and as copied atoms; `batch` many pictures in one run; `selecting` its flags that select atoms; `large` pictures of any size, their parts and resolution; `trajectories` against their truth, and behind a structure; `transparent` ones laid over colours; `window` and `care` the window under a virtual display.
 
@@ -30,6 +30,7 @@ mod golden;
 mod large;
 mod layering;
 mod ligands;
+mod memory;
 mod mmcif;
 #[cfg(feature = "gpu")]
 mod parity;

@@ -70,7 +70,7 @@ impl std::fmt::Display for AdapterReport {
 /// All adapters of this machine, best first; none is an empty list.
 #[must_use]
 pub fn adapters() -> Vec<AdapterReport> {
-    let Some(instance) = instance(None, wgpu::Backends::all()) else { return Vec::new() };
+    let Some(instance) = instance(None) else { return Vec::new() };
     ranked(&instance).iter().map(AdapterReport::new).collect()
 }
 
@@ -91,42 +91,13 @@ pub(super) fn check_for_hardware() -> Result<()> {
 /// What a window is shown on. OpenGL draws only to windows of the display that it was opened with.
 pub(super) type Display = Box<dyn wgpu::wgt::WgpuHasDisplayHandle>;
 
-/// The environment variable with how much of the memory that a device has free is used at most, in percent. Beyond it
-/// the device is out of memory, and the CPU draws. Where it is not set, it is what the driver gives.
-const MEMORY_VARIABLE: &str = "BALLSTICK_DEVICE_MEMORY";
-
-/// The way to these backends, as far as this build has them and `WGPU_BACKEND` allows; `None` if that is none.
-pub(super) fn instance(display: Option<Display>, backends: wgpu::Backends) -> Option<wgpu::Instance> {
-    let descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
-    let backends = descriptor.backends & backends;
-    if (wgpu::Instance::enabled_backend_features() & backends).is_empty() {
+/// The way to all backends of this build; `None` if it has none. `WGPU_BACKEND` narrows them.
+pub(super) fn instance(display: Option<Display>) -> Option<wgpu::Instance> {
+    if wgpu::Instance::enabled_backend_features().is_empty() {
         return None;
     }
-    let percent = std::env::var(MEMORY_VARIABLE).ok().and_then(|text| text.trim().parse::<u8>().ok());
-    let memory_budget_thresholds = wgpu::MemoryBudgetThresholds { for_resource_creation: percent, for_device_loss: None };
-    let descriptor = wgpu::InstanceDescriptor { display, backends, memory_budget_thresholds, ..descriptor };
-    Some(wgpu::Instance::new(descriptor))
-}
-
-/// [`open`] without a window. OpenGL is asked last: where there is no display its drivers look for one, and some complain about that on standard
-/// error.
-///
-/// # Errors
-/// As [`open`].
-pub(super) fn open_without_window(wish: AdapterWish, limits: Option<&wgpu::Limits>) -> Result<Opened> {
-    let others = match wish {
-        AdapterWish::OpenGl => None,
-        _ => instance(None, wgpu::Backends::all() - wgpu::Backends::GL),
-    };
-    if let Some(opened) = others.and_then(|instance| open(wish, &instance, None, limits).ok()) {
-        // Real hardware may be there for OpenGL alone.
-        if !opened.report.is_software || check_for_hardware().is_err() {
-            return Ok(opened);
-        }
-    }
-    let all = instance(None, wgpu::Backends::all());
-    let all = all.ok_or_else(|| Error::Gpu("this build has no graphics backend".to_owned()))?;
-    open(wish, &all, None, limits)
+    let descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    Some(wgpu::Instance::new(wgpu::InstanceDescriptor { display, ..descriptor }))
 }
 
 /// Adapters, best first. A function of what the adapters say, so the same machine always gives the same order.

@@ -114,10 +114,8 @@ impl GpuRenderer {
     }
 
     fn open(wish: AdapterWish, limits: Option<&wgpu::Limits>) -> Result<GpuRenderer> {
-        if wish == AdapterWish::Hardware {
-            adapter::check_for_hardware()?;
-        }
-        let (gpu, _) = Gpu::new(adapter::open_without_window(wish, limits)?);
+        let instance = instance(wish, None)?;
+        let (gpu, _) = Gpu::new(adapter::open(wish, &instance, None, limits)?);
         GpuRenderer::on(gpu)
     }
 
@@ -185,6 +183,20 @@ impl GpuRenderer {
     /// the CPU.
     pub fn exhaust_device(&self) {
         self.gpu.exhaust();
+    }
+
+    /// Asks the device for so many buffers of a gibibyte, in a scope as everything is; they are given back. For tests with more than there is.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if the device does not have them.
+    #[cfg(test)]
+    pub(crate) fn take_gibibytes(&self, count: usize) -> Result<()> {
+        self.gpu.guard("filling the memory", || {
+            let usage = wgpu::BufferUsages::VERTEX;
+            let buffers: Vec<_> = (0..count).map(|_| self.gpu.empty_buffer("ballast", usage, 1 << 30)).collect();
+            drop(buffers);
+            Ok(())
+        })
     }
 
     /// A renderer that draws nothing, and what destroys its device while something else has the renderer.
@@ -306,6 +318,13 @@ impl GpuRenderer {
 /// Whether any light from afar is asked for.
 fn asks(settings: &Settings) -> bool {
     settings.ao > 0 || settings.shadow
+}
+
+fn instance(wish: AdapterWish, display: Option<adapter::Display>) -> Result<wgpu::Instance> {
+    if wish == AdapterWish::Hardware {
+        adapter::check_for_hardware()?;
+    }
+    adapter::instance(display).ok_or_else(|| Error::Gpu("this build has no graphics backend".to_owned()))
 }
 
 impl Renderer for GpuRenderer {

@@ -7,7 +7,7 @@ use super::interface::{PICTURE_FORMAT, Painter, UserInterface};
 use super::layout::{IMAGE_FORMAT, TEXT_FORMAT};
 use super::passes::resolve::ResolvePipeline;
 use super::targets::Targets;
-use super::{AdapterWish, GpuRenderer, asks, put, zeroed};
+use super::{AdapterWish, GpuRenderer, asks, instance, put, zeroed};
 use crate::error::{Error, Result};
 use crate::render::frame::FrameConstants;
 use crate::render::{Image, Settings, View};
@@ -54,11 +54,7 @@ impl GpuRenderer {
     where
         W: Into<wgpu::SurfaceTarget<'static>> + wgpu::wgt::WgpuHasDisplayHandle + Clone,
     {
-        if wish == AdapterWish::Hardware {
-            adapter::check_for_hardware()?;
-        }
-        let instance = adapter::instance(Some(Box::new(target.clone())), wgpu::Backends::all());
-        let instance = instance.ok_or_else(|| Error::Gpu("this build has no graphics backend".to_owned()))?;
+        let instance = instance(wish, Some(Box::new(target.clone())))?;
         let surface = instance
             .create_surface(target)
             .map_err(|error| Error::Gpu(format!("the window cannot be drawn to: {error}")))?;
