@@ -121,8 +121,9 @@
 //! - Formal charges of metals are not told, nor those of acids and amines whose hydrogens a file leaves out. Nitrides and carbenes on
 //!   metals have single bonds or dashes.
 //! - Dative bonds do not keep which atom gives the pair.
-//! - What a packed file unpacks to, and what light from afar takes, is not known when memory is asked for: a program that runs out of it in the
-//!   middle ends by a signal (134), and leaves nothing half done. The window does not ask. Graphics drivers do not look
+//! - What a packed file unpacks to, and what light from afar takes, is not known when memory is asked for. Under a limit of the process (`ulimit -v`,
+//!   `ulimit -d`) each input is tried in a process of its own, twice if need be, and one that runs out of memory is an error like any other; where a container or
+//!   the machine has none left, the system ends the program by a signal (137), and nothing is left half done. The window does not ask. Graphics drivers do not look
 //!   whether they get memory: where `ulimit -v` leaves less than 4 GB, pictures are drawn by the CPU. Below some 50 MB of addresses (`ulimit -v`) the system cannot
 //!   even load the program.
 //! - Elsewhere than on Linux `kill -9` may leave a temporary file, as it may of a film that `ffmpeg` writes.

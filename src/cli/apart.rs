@@ -79,6 +79,15 @@ pub(super) fn is_wanted() -> bool {
         && super::memory::process_bound().is_some_and(|(bytes, _)| bytes < ENOUGH_BYTES)
 }
 
+/// From such a limit on this process may have threads of its own beside those that it begins. Chosen; a thread takes 2 MB.
+const ROOMY_BYTES: u64 = 256 << 20;
+
+/// Whether [`run`] does the work and this process has no room for threads: where one does not get what it begins with, Rust ends
+/// the program.
+pub(super) fn is_tight() -> bool {
+    is_wanted() && super::memory::process_bound().is_some_and(|(bytes, _)| bytes < ROOMY_BYTES)
+}
+
 /// Ends this process when the one that began it ends, as if the signal had been for both.
 pub(super) fn follow_parent() {
     #[cfg(target_os = "linux")]
@@ -123,8 +132,11 @@ fn begin(part: Part, report: &Report, said: &mut Vec<String>) -> Result<ExitStat
         use std::os::unix::process::CommandExt;
         command.arg0(name);
     }
-    let threads = if part.is_sparing { 1 } else { rayon::current_num_threads() };
-    command.args(arguments).env(VARIABLE, part.text()).env("RAYON_NUM_THREADS", threads.to_string());
+    command.args(arguments).env(VARIABLE, part.text());
+    if part.is_sparing || !is_tight() {
+        let threads = if part.is_sparing { 1 } else { rayon::current_num_threads() };
+        command.env("RAYON_NUM_THREADS", threads.to_string());
+    }
     let mut child = command.stderr(Stdio::piped()).spawn().map_err(failed)?;
     let mut held = Vec::new();
     if let Some(stream) = child.stderr.take() {

@@ -158,7 +158,8 @@ pub(super) fn run(
     }
     let batch =
         Batch { report, make, done: AtomicUsize::new(0), drawn: AtomicUsize::new(0), ended: AtomicBool::new(false) };
-    let threads = rayon::current_num_threads();
+    // Without room for threads not even those of the pool are begun.
+    let threads = if super::apart::is_tight() { 1 } else { rayon::current_num_threads() };
     let (alone, large): (Vec<&Picture>, Vec<&Picture>) =
         plan.pictures.iter().partition(|picture| pixels <= LARGE_PIXELS && is_small(picture));
     // A few are done sooner by all cores.

@@ -7,7 +7,8 @@
 //!
 //! (With `ulimit -v` threads share one pool of memory, see [`super::process`]; else addresses that nobody uses would count.)
 //!
-//! Limits: what a packed file unpacks to is not known before; light from afar takes more than is counted here. Only Linux tells
+//! Limits: what a packed file unpacks to is not known before; light from afar takes more than is counted here. Under a limit of the process
+//! itself that costs one input only ([`super::apart`]). Only Linux tells
 //! control group and machine; elsewhere the process' own limits count alone. Memory that others take meanwhile is not seen.
 
 use super::values::Region;
@@ -85,17 +86,21 @@ pub(super) fn check_file(path: &Path) -> Result<()> {
 /// # Errors
 /// [`Error::Unsupported`] with what is needed and what there is.
 pub(super) fn check_picture(atoms: usize, region: Region, format: PictureFormat) -> Result<()> {
-    check("drawing it", picture_bytes(atoms as u64, u64::from(region.width) * u64::from(region.height), format))
+    // A process of its own may be tried again with thin strips.
+    let strip = if super::apart::own_input().is_some() { super::strips::SPARED_PIXELS.into() } else { STRIP_PIXELS };
+    let pixels = u64::from(region.width) * u64::from(region.height);
+    check("drawing it", picture_bytes(atoms as u64, (pixels, strip), format))
 }
 
-fn picture_bytes(atoms: u64, pixels: u64, format: PictureFormat) -> u64 {
+/// `strip` is how many of the pixels are held at once.
+fn picture_bytes(atoms: u64, (pixels, strip): (u64, u64), format: PictureFormat) -> u64 {
     // Kept whole with what becomes of them, measured with 64,000,000 pixels.
     let whole = match format {
         PictureFormat::Jpeg => 3,
         PictureFormat::WebP => 7,
         _ => 0,
     };
-    let strip = pixels.min(STRIP_PIXELS) * PIXEL_BYTES;
+    let strip = pixels.min(strip) * PIXEL_BYTES;
     atoms.saturating_mul(ATOM_BYTES).saturating_add(strip).saturating_add(pixels.saturating_mul(whole))
 }
 
@@ -188,11 +193,11 @@ mod tests {
 
     #[test]
     fn only_pictures_that_are_gathered_grow_with_all_their_pixels() {
-        let bytes = |pixels, format| picture_bytes(0, pixels, format);
+        let bytes = |pixels, format| picture_bytes(0, (pixels, STRIP_PIXELS), format);
         assert_eq!(bytes(1 << 30, PictureFormat::Png), bytes(1 << 24, PictureFormat::Png));
         assert_eq!(bytes(1 << 30, PictureFormat::Jpeg) - bytes(1 << 30, PictureFormat::Png), 3 << 30);
-        assert_eq!(picture_bytes(1_000_000, 0, PictureFormat::Png), 250_000_000);
-        assert_eq!(picture_bytes(u64::MAX, u64::MAX, PictureFormat::WebP), u64::MAX);
+        assert_eq!(picture_bytes(1_000_000, (0, 0), PictureFormat::Png), 250_000_000);
+        assert_eq!(picture_bytes(u64::MAX, (u64::MAX, STRIP_PIXELS), PictureFormat::WebP), u64::MAX);
     }
 
     #[test]

@@ -52,7 +52,7 @@ const STATUSES: &[(&str, &str)] = &[
     ("2", "The command line is wrong. Nothing was done."),
     (
         "128 + N",
-        "Ended by signal N, as the shell shows it: 130 is Ctrl+C, 143 kill, 137 kill -9, 134 out of memory in the middle of the work.",
+        "Ended by signal N, as the shell shows it: 130 is Ctrl+C, 143 kill, 137 kill -9, or no memory left in a container or the machine.",
     ),
 ];
 
@@ -105,11 +105,12 @@ fn begun(arguments: &[OsString]) -> Begun {
         report.fail_with(&error.to_string());
         return Begun::Ended(FAILED);
     }
-    process::prepare();
+    let command = cli.command.unwrap_or(Command::View(Box::new(cli.view)));
+    let works = matches!(command, Command::Render(_) | Command::Info(_) | Command::Convert(_));
+    process::prepare(!(works && apart::is_tight()));
     if let Some(warning) = render::environment_warning().filter(|_| apart::own_input().is_none()) {
         report.line(&format!("ballstick: warning: {warning}"));
     }
-    let command = cli.command.unwrap_or(Command::View(Box::new(cli.view)));
     if !matches!(command, Command::Render(_)) {
         report.speak(); // there are warnings to come of its own input only
     }

@@ -15,9 +15,11 @@ use std::sync::mpsc::{Sender, channel};
 /// largest machines with two processors.
 const MOST_THREADS: usize = 1024;
 
-/// Makes ready for work; done once, by the command line.
-pub(super) fn prepare() {
-    make_threads();
+/// Makes ready for work, by threads of its own or without; done once, by the command line.
+pub(super) fn prepare(has_threads: bool) {
+    if has_threads {
+        make_threads();
+    }
     #[cfg(unix)]
     unix::watch_signals();
 }

@@ -19,7 +19,7 @@ const SURFACE_PIXELS: u32 = 1 << 22;
 
 /// Pixels of a strip where memory is to be spared: a row of tiles of a picture of 8192 pixels a row. With light from afar
 /// such a strip takes some 10 MB at the most.
-const SPARED_PIXELS: u32 = 1 << 18;
+pub(super) const SPARED_PIXELS: u32 = 1 << 18;
 
 /// Rows of a tile of the CPU renderer: fewer would be drawn for nothing.
 const TILE_ROWS: u32 = 32;
