@@ -86,7 +86,7 @@ Examples:
   ballstick render caffeine.sdf -o caffeine.png
   ballstick render 1crn.pdb -o fig.png --size 3000x2000 --background transparent
   ballstick render 1crn.pdb -o fig.png --size 85mmx60mm --dpi 600 --crop auto
-  ballstick render *.sdf -o pictures/            one picture each: pictures/NAME.png
+  ballstick render *.sdf -o pictures/            one each: pictures/NAME.png
   ballstick render *.sdf -o 'out/{stem}.webp'    the same with names of your own
   ballstick render 1crn.pdb -o fig.png --hide water --style 'ligand=licorice'
   ballstick render top.pdb run.xtc -o last.png --frame 500

@@ -31,7 +31,7 @@ fn every_limit_of_memory_that_is_enough_is_enough() {
     let [mut drawn, mut refused] = [0, 0];
     for (option, limits) in [("-v", [44_000, 140_000]), ("-d", [2_000, 90_000])] {
         let mut since = [None; 2];
-        for limit in (limits[0]..=limits[1]).step_by(4_000) {
+        for limit in (limits[0]..=limits[1]).step_by(6_000) {
             drop(fs::remove_dir_all(folder.path().join("out")));
             let Some((status, said)) = under(option, limit, folder.path(), &line) else { continue };
             let what = format!("{option} {limit}: {said}");
