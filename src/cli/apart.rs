@@ -5,6 +5,11 @@
 //! and hands on what it says. Where memory ran out, it is tried once more with little of everything, that is one thread and
 //! thin strips ([`is_sparing`]), which draw the same bytes; then it is an error of that input, and the others are done.
 //!
+//! Measured, with files of 24, 642 and 5,700 atoms, `ulimit -v`, on Linux with two cores: the system loads the program from 38 MB on (below, signal 11 or
+//! the loader's own message), structures are read and written from 50 MB on, a picture of 640 × 480 with light from afar is drawn
+//! from 51, 54 and 61 MB on, and of any other size from about the same (without the second trial: 64 to 112 MB). `ulimit -d` does not count
+//! the program itself: 20 to 24 MB are enough for all of these.
+//!
 //! Limits: what is read or written by a pipe is tried once only. What wants no files (`devices`, help, the window) is done in
 //! this process. Only Unix has such limits. A process and its reading of the same files cost some 10 ms an input,
 //! so that it is done only below [`ENOUGH_BYTES`].
