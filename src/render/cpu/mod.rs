@@ -44,6 +44,8 @@ pub struct CpuRenderer {
     field: Option<Field>,
     /// The last ground maps and the constants they were made with: in motion and at rest they differ in texels.
     ground_maps: [Option<(FrameConstants, GroundMap)>; 2],
+    /// The sky's part of the ground in motion: it stays while the light turns with the camera.
+    sky_map: Option<(FrameConstants, GroundMap)>,
     /// The balls and sticks of the loaded scene in packs, made when a picture first needs them.
     packs: Option<Packs>,
     /// What is known of the sky's and the key light's directions of the loaded scene.
@@ -58,15 +60,18 @@ impl CpuRenderer {
     }
 
     /// The ground map for these constants; found anew only if something it depends on has changed.
-    fn ground_map(&mut self, scene: &Scene, frame: &FrameConstants, in_motion: bool) -> GroundMap {
+    fn ground_map(&mut self, scene: &Scene, frame: &FrameConstants, sky_frame: Option<FrameConstants>) -> GroundMap {
         if !frame.has_ground() {
             return GroundMap::none();
         }
-        let place = &mut self.ground_maps[usize::from(in_motion)];
+        let place = &mut self.ground_maps[usize::from(sky_frame.is_some())];
         let kept = place.take().filter(|(old, _)| old.same_ground_map(frame));
         let (_, map) = place.insert(kept.unwrap_or_else(|| {
             let field = self.field.get_or_insert_with(|| Field::new(scene));
-            (*frame, field.ground_map(frame))
+            let Some(sky_frame) = sky_frame else { return (*frame, field.ground_map(frame)) };
+            let kept = self.sky_map.take().filter(|(old, _)| old.same_ground_map(&sky_frame));
+            let sky = self.sky_map.insert(kept.unwrap_or_else(|| (sky_frame, field.sky_map(&sky_frame))));
+            (*frame, field.quick_ground_map(frame, sky))
         }));
         map.clone()
     }
@@ -78,7 +83,9 @@ impl CpuRenderer {
         let frame = FrameConstants::new(&scene, view, settings);
         // Drawing in motion does not ask, and must not throw away what the picture at rest needs again.
         let asks = settings.ao > 0 || settings.shadow;
-        let ground_map = self.ground_map(&scene, &frame, !asks);
+        let is_quick = !asks && settings.samples == 1 && settings.ground_texels < Settings::QUICK_GROUND;
+        let sky_frame = is_quick.then(|| frame.lit_from_above(&scene, view, settings));
+        let ground_map = self.ground_map(&scene, &frame, sky_frame);
         let mut none = Lights::none();
         if asks {
             self.lights.update(&frame, settings);
@@ -114,6 +121,7 @@ impl Renderer for CpuRenderer {
             self.lights = Lights::none();
             self.packs = None;
             self.ground_maps = [None, None];
+            self.sky_map = None;
         }
         self.scene = Some(scene);
         Ok(())
