@@ -213,9 +213,9 @@ impl<K: Kind<N>, const N: usize> Waiting<K, N> {
             *depth = K::t::<PARALLEL>(&numbers, listed.u[lane], listed.v[lane], near);
         }
         let count = listed.count.min(LANES);
-        for lane in 0..count {
+        for (lane, &depth) in depth.iter().enumerate().take(count) {
             let of = listed.of[lane] as usize % LANES;
-            tile.see_at(listed.at[lane] as usize, depth[lane], self.index[of]);
+            tile.see_at(listed.at[lane] as usize, depth, self.index[of]);
         }
         listed.count -= count;
         for lane in 0..LANES {

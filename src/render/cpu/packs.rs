@@ -458,10 +458,10 @@ impl Facts for Packed<'_> {
         for lane in 0..LANES {
             raw.colors[1][lane] = word(lane, [4, 9]);
         }
-        for lane in 0..LANES {
+        for (lane, &is_stick) in is_stick.iter().enumerate() {
             raw.colors[0][lane] = word(lane, [4, 8]);
             raw.radius[lane] = f32::from_bits(word(lane, [3, 3]));
-            raw.caps[lane] = if is_stick[lane] == 0 { 0 } else { word(lane, [0, 10]) };
+            raw.caps[lane] = if is_stick == 0 { 0 } else { word(lane, [0, 10]) };
             for axis in 0..3 {
                 raw.ends[0][axis][lane] = f32::from_bits(word(lane, [axis, axis]));
                 raw.ends[1][axis][lane] = f32::from_bits(word(lane, [axis, 4 + axis]));
