@@ -13,9 +13,10 @@ use super::casters::{Axes, Body, Starts};
 use super::clusters::{Around, Asked, Cluster, Sight, bits, gather, lanes_of};
 use super::lanes::{LANES, Lanes};
 use super::reach::{NOBODY, Points};
-use crate::math::Aabb;
+use crate::math::{Aabb, min};
 use crate::render::field::Field;
 use crate::render::opacity::hides_in_sample;
+use crate::render::solids::Solids;
 use crate::render::tubes::Span;
 use crate::scene::Scene;
 use glam::{Affine3A, Vec3, Vec3A};
@@ -25,23 +26,25 @@ use std::sync::Arc;
 /// Members of a bunch.
 const BUNCH: usize = LANES;
 
-/// Up to [`BUNCH`] clusters, or as many lots of [`LANES`] primitives that are asked one by one, and their boxes.
+/// Up to [`BUNCH`] clusters, or as many primitives that are asked one by one, and their boxes.
 #[derive(Debug)]
 struct Bunch {
-    around: Aabb,
+    whole: Extent,
     center: [Lanes; 3],
     half: [Lanes; 3],
-    /// Number of its first member: clusters first, then lots of others.
+    /// Of balls about the same centres. Seen aslant these are smaller than the boxes.
+    reach: Lanes,
+    /// Number of its first member: clusters first, then others.
     first: u32,
     count: u32,
 }
 
-/// What is asked one by one: its number in the block, and a ball around it.
+/// What holds some primitives: a box, and a ball about its middle.
 #[derive(Debug, Clone, Copy)]
-struct Other {
+struct Extent {
     center: Vec3,
+    half: Vec3,
     reach: f32,
-    index: u32,
 }
 
 /// A block in its own space.
@@ -49,7 +52,8 @@ struct Other {
 struct OfBlock {
     field: Arc<Field>,
     clusters: Vec<Cluster>,
-    others: Vec<Other>,
+    /// What is asked one by one: numbers in the block.
+    others: Vec<u32>,
     bunches: Vec<Bunch>,
 }
 
@@ -100,27 +104,13 @@ impl Asked for AskBunches<'_> {
             near &= near - 1;
             alive = match block.clusters.get(member) {
                 Some(cluster) => cluster.seen(axes).leave(self.at, alive),
-                None => self.leave_others(block, member - block.clusters.len(), placement, alive),
+                None => match block.others.get(member - block.clusters.len()) {
+                    Some(&own) => self.view.exactly([placement, own], axes.toward, self.points, self.of, alive),
+                    None => alive,
+                },
             };
             if alive == 0 {
                 return 0;
-            }
-        }
-        alive
-    }
-}
-
-impl AskBunches<'_> {
-    /// As [`Asked::leave`], of a lot of what is asked one by one. On its own, for it is seldom.
-    #[inline(never)]
-    fn leave_others(&self, block: &OfBlock, lot: usize, placement: u32, mut alive: u32) -> u32 {
-        let axes = &self.axes[placement as usize];
-        for other in block.others.get(lot * LANES..).unwrap_or_default().iter().take(LANES) {
-            let near = alive & other.near(axes, self.at);
-            if near != 0 {
-                let mut free = lanes_of(near);
-                self.view.exactly([placement, other.index], axes.toward, self.points, self.of, &mut free);
-                alive = (alive & !near) | bits(|lane| free[lane] != 0);
             }
         }
         alive
@@ -132,46 +122,60 @@ impl OfBlock {
         let solids = field.solids();
         let (mut simple, mut others): (Vec<Body>, Vec<Body>) =
             Body::all(solids).into_iter().partition(|body| body.radius >= 0.0);
-        for bodies in [&mut simple, &mut others] {
-            gather(bodies, BUNCH * LANES);
-            bodies.par_chunks_mut(BUNCH * LANES).for_each(|bunch| gather(bunch, LANES));
-        }
-        let mut bunches = Vec::new();
-        let mut first = 0u32;
-        for bodies in [&simple, &others] {
-            for bunch in bodies.chunks(BUNCH * LANES) {
-                let box_of = |members: &[Body]| {
-                    members.iter().fold(Aabb::EMPTY, |all, body| all.union(solids.box_of(body.index as usize)))
-                };
-                let boxes: Vec<Aabb> = bunch.chunks(LANES).map(box_of).collect();
-                bunches.push(Bunch::new(&boxes, first));
-                first += boxes.len() as u32;
+        gather(&mut simple, BUNCH * LANES);
+        simple.par_chunks_mut(BUNCH * LANES).for_each(|bunch| gather(bunch, LANES));
+        gather(&mut others, BUNCH);
+        let (mut bunches, mut first) = (Vec::new(), 0u32);
+        for (bodies, member) in [(&simple, LANES), (&others, 1)] {
+            for bunch in bodies.chunks(BUNCH * member) {
+                let members: Vec<Extent> = bunch.chunks(member).map(|bodies| Extent::of(bodies, solids)).collect();
+                bunches.push(Bunch::new(Extent::of(bunch, solids), &members, first));
+                first += members.len() as u32;
             }
         }
-        let other = |body: &Body| {
-            let around = solids.box_of(body.index as usize);
-            Other { center: around.center(), reach: 0.5 * around.size().length(), index: body.index }
-        };
         OfBlock {
             field: Arc::clone(field),
             clusters: simple.par_chunks(LANES).map(Cluster::new).collect(),
-            others: others.iter().map(other).collect(),
+            others: others.iter().map(|body| body.index).collect(),
             bunches,
         }
     }
 }
 
-impl Bunch {
-    fn new(boxes: &[Aabb], first: u32) -> Bunch {
-        let (mut center, mut half) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
-        for (lane, around) in boxes.iter().enumerate().take(LANES) {
-            let (middle, reach) = (around.center(), around.size() * 0.5);
-            for axis in 0..3 {
-                (center[axis][lane], half[axis][lane]) = (middle[axis], reach[axis]);
+impl Extent {
+    fn of(bodies: &[Body], solids: &Solids) -> Extent {
+        let box_of = |body: &Body| solids.box_of(body.index as usize);
+        let around = bodies.iter().fold(Aabb::EMPTY, |all, body| all.union(box_of(body)));
+        let (center, half) = (around.center(), around.size() * 0.5);
+        let reach = |body: &Body| {
+            if body.radius < 0.0 {
+                return box_of(body).center().distance(center) + 0.5 * box_of(body).size().length();
             }
+            let [a, b] = [body.half, -body.half].map(|half| (body.middle + half).distance(center));
+            a.max(b) + body.radius
+        };
+        Extent { center, half, reach: bodies.iter().map(reach).fold(0.0, f32::max) }
+    }
+
+    /// Where it lies along a direction.
+    fn span(&self, axes: &Axes) -> Span {
+        let middle = axes.along(self.center - axes.center);
+        let half = [axes.right, axes.up, axes.toward].map(|axis| min(self.half.dot(axis.abs()), self.reach));
+        let [low, high] = [-1.0, 1.0].map(|side| [0, 1, 2].map(|part| middle[part] + side * half[part]));
+        Span { low: [low[0], low[1]], high: [high[0], high[1]], top: high[2] }
+    }
+}
+
+impl Bunch {
+    fn new(whole: Extent, members: &[Extent], first: u32) -> Bunch {
+        let (mut center, mut half, mut reach) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3], [0.0; LANES]);
+        for (lane, member) in members.iter().enumerate().take(LANES) {
+            for axis in 0..3 {
+                (center[axis][lane], half[axis][lane]) = (member.center[axis], member.half[axis]);
+            }
+            reach[lane] = member.reach;
         }
-        let around = boxes.iter().fold(Aabb::EMPTY, |all, one| all.union(*one));
-        Bunch { around, center, half, first, count: boxes.len() as u32 }
+        Bunch { whole, center, half, reach, first, count: members.len() as u32 }
     }
 
     /// Bits of the members that may lie between some of the points and the light.
@@ -180,27 +184,15 @@ impl Bunch {
         let (mut low, mut high) = ([[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3]);
         let (c, [x, y, z], [a, b, d]) = (axes.center, &self.center, &self.half);
         for (part, axis) in [axes.right, axes.up, axes.toward].into_iter().enumerate() {
-            let reach = axis.abs();
+            let size = axis.abs();
             for lane in 0..LANES {
                 let middle = (x[lane] - c.x) * axis.x + (y[lane] - c.y) * axis.y + (z[lane] - c.z) * axis.z;
-                let reach = a[lane] * reach.x + b[lane] * reach.y + d[lane] * reach.z;
+                let reach = min(a[lane] * size.x + b[lane] * size.y + d[lane] * size.z, self.reach[lane]);
                 (low[part][lane], high[part][lane]) = (middle - reach, middle + reach);
             }
         }
         let near = around.near([&low[0], &low[1], &high[0], &high[1], &high[2]]);
         near & if self.count < LANES as u32 { (1 << self.count) - 1 } else { u32::MAX }
-    }
-}
-
-impl Other {
-    /// Bits of the lanes that it may lie above.
-    #[inline(always)]
-    fn near(&self, axes: &Axes, at: &Starts) -> u32 {
-        let [x, y, height] = axes.along(self.center - axes.center);
-        bits(|lane| {
-            let (dx, dy) = (at.x[lane] - x, at.y[lane] - y);
-            (dx * dx + dy * dy <= 1.001 * self.reach * self.reach) & (at.height[lane] < height + self.reach)
-        })
     }
 }
 
@@ -246,13 +238,8 @@ impl InView<'_> {
     pub(super) fn sight(&self, axes: &Axes) -> Sight {
         let of_placed = self.axes(axes);
         let span = |&(placement, bunch): &(u32, u32)| {
-            let axes = &of_placed[placement as usize];
-            let around = self.copies.blocks[self.copies.placed[placement as usize].block].bunches[bunch as usize].around;
-            let (middle, half) = (around.center() - axes.center, around.size() * 0.5);
-            let [low, high] = [-1.0, 1.0].map(|side| {
-                [axes.right, axes.up, axes.toward].map(|axis| middle.dot(axis) + side * half.dot(axis.abs()))
-            });
-            Span { low: [low[0], low[1]], high: [high[0], high[1]], top: high[2] }
+            let block = self.copies.placed[placement as usize].block;
+            self.copies.blocks[block].bunches[bunch as usize].whole.span(&of_placed[placement as usize])
         };
         let spans: Vec<Span> = self.copies.bunches.iter().map(span).collect();
         Sight::of_spans(&spans, [axes.right, axes.up, axes.toward])
@@ -272,15 +259,23 @@ impl InView<'_> {
         sight.walk_boxes(tube, at, free, &AskBunches { view: self, axes, at, points, of });
     }
 
-    /// Clears the lanes that a primitive (placement and number in the block) hides the light from.
+    /// Which of the lanes `alive`, as bits, a primitive (placement and number in the block) leaves in a sample of so many. On its own, for it
+    /// is long and seldom asked.
     #[inline(never)]
-    fn exactly(&self, [placement, own]: [u32; 2], toward: Vec3, points: &Points, of: [u32; 2], free: &mut Mask) {
+    fn exactly(
+        &self,
+        [placement, own]: [u32; 2],
+        toward: Vec3,
+        points: &Points,
+        [sample, samples]: [u32; 2],
+        alive: u32,
+    ) -> u32 {
         let placed = &self.copies.placed[placement as usize];
         let solids = self.copies.blocks[placed.block].field.solids();
-        let (index, [sample, samples]) = (own as usize, of);
+        let index = own as usize;
         let id = placed.first_id.saturating_add(solids.id(index));
         if solids.see_through && !hides_in_sample(sample, samples, id, solids.opacity(index)) {
-            return;
+            return alive;
         }
         let mut in_block = Points { own: [NOBODY; LANES], ..Points::default() };
         let [x, y, z] = &points.position;
@@ -291,6 +286,8 @@ impl InView<'_> {
                 in_block.position[axis][lane] = point[axis];
             }
         }
-        behind(solids, own, toward, &in_block, free);
+        let mut free = lanes_of(alive);
+        behind(solids, own, toward, &in_block, &mut free);
+        bits(|lane| free[lane] != 0)
     }
 }

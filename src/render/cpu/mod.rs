@@ -3,6 +3,9 @@
 //! [`mod@reference`] casts one ray after the other over a hierarchy, on one thread. [`tiles`] draws the same picture
 //! tile by tile on all cores with vector instructions: primitives are binned to tiles by their exact bounds, and each tile
 //! keeps a small depth buffer. Frames that ask for no light from afar find them pack by pack, as they are needed.
+//!
+//! Large scenes of copies (assemblies, supercells) are never spread out, whatever is asked: what is seen comes from packs, light from afar
+//! from `bunches`, the ground's light from the fields of the blocks ([`Field::of_copies`]), all made once for a block.
 
 mod backdrop;
 mod behind;
@@ -33,9 +36,9 @@ use crate::scene::Scene;
 use bunches::Copies;
 use packs::Packs;
 use reach::Lights;
-use tiles::Known;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use tiles::Known;
 
 /// Placements of a scene are spread out to primitives of their own where these are no more than so many. Chosen: 20 MB, and pictures of all
 /// but the largest scenes are those of the reference to the byte.

@@ -330,8 +330,6 @@ impl<'a> Packed<'a> {
         number: usize,
     ) {
         let window = Window::new(place);
-        let mut lined = (self.outline.is_some() || self.others.see_through)
-            .then(|| Solids { see_through: self.others.see_through, ..Solids::default() });
         let list = &self.list[self.first[number] as usize..self.first[number + 1] as usize];
         for (asked, &seen) in list.iter().enumerate() {
             let Seen { nearest, pixels, placement, pack } = self.seen[seen as usize];
@@ -347,10 +345,6 @@ impl<'a> Packed<'a> {
             let members = &placed.packs.members[pack.start as usize..][..counts.iter().sum()];
             let (spheres, members) = members.split_at(counts[0]);
             let (cylinders, tori) = members.split_at(counts[1]);
-            if let Some(solids) = &mut lined {
-                self.draw_members::<PARALLEL>((tile, place), placed, solids, [spheres, cylinders, tori]);
-                continue;
-            }
             let (first_ball, first_stick) = (pack.first_ball as usize, pack.first_stick as usize);
             draw_balls::<PARALLEL>((tile, place), (&window, &self.framing), placed, (first_ball, spheres));
             draw_sticks::<PARALLEL>((tile, place), (&window, &self.framing), placed, (first_stick, cylinders));
@@ -359,47 +353,22 @@ impl<'a> Packed<'a> {
         self.other_bins.of_tile(number, candidates);
         for candidate in candidates.iter_mut() {
             let number = candidate.index;
-            let is_cone = (number as usize) < self.others.cones.len();
-            let before = if is_cone { self.first_cone } else { self.first_triangle - self.others.cones.len() as u32 };
-            candidate.index += before;
-            tile.draw_any::<PARALLEL>(place, (self.others, number as usize), candidate);
+            candidate.index = self.of_scene(number);
+            tile.draw_other::<PARALLEL>(place, (self.others, number), candidate);
         }
     }
 
-    /// Draws balls, sticks and rings of a block that have lines or may be see-through; `solids` is room to work in.
+    /// What a cone or triangle of the others is in the scene.
     #[inline(always)]
-    fn draw_members<const PARALLEL: bool>(
-        &self,
-        (tile, place): (&mut Tile, &Place<'_>),
-        placed: &Placed<'_>,
-        solids: &mut Solids,
-        [spheres, cylinders, tori]: [&[u32]; 3],
-    ) {
-        let (block, to_view, first_id) = (placed.block, &placed.view_from_block, placed.first_id);
-        solids.clear_simple();
-        spheres.iter().for_each(|&i| solids.push_sphere(&block.spheres[i as usize], to_view, first_id));
-        let numbers = spheres.iter().map(|i| placed.first_sphere + i);
-        let is_stick = |&&i: &&u32| solids.push_cylinder(&block.cylinders[i as usize], to_view, first_id);
-        let sticks: Vec<u32> = cylinders.iter().filter(is_stick).map(|i| placed.first_cylinder + i).collect();
-        for (number, index) in numbers.chain(sticks).enumerate() {
-            let Some(mut candidate) = self.framing.primitive(solids, number, self.outline.as_ref()) else { continue };
-            candidate.index = index;
-            if !tile.hides(place, candidate.nearest, candidate.pixels) {
-                tile.draw_any::<PARALLEL>(place, (solids, number), &candidate);
-            }
-        }
-        for &i in tori {
-            if !solids.push_torus(&block.tori[i as usize], to_view, first_id) {
-                continue;
-            }
-            let number = solids.len() - 1;
-            let Some(torus) = solids.tori.last().map(|torus| self.outline.map_or(*torus, |line| line.torus(torus))) else {
-                continue;
-            };
-            for piece in self.framing.torus(placed.first_torus + i, torus) {
-                tile.draw_any::<PARALLEL>(place, (solids, number), &piece);
-            }
-        }
+    fn of_scene(&self, number: u32) -> u32 {
+        let is_cone = (number as usize) < self.others.cones.len();
+        let before = if is_cone { self.first_cone } else { self.first_triangle - self.others.cones.len() as u32 };
+        number + before
+    }
+
+    /// Whether its members are more than opaque primitives without lines.
+    pub(super) fn is_any(&self) -> bool {
+        self.outline.is_some() || self.others.see_through
     }
 
     /// Draws some rings of a block in a tile.
@@ -503,6 +472,7 @@ impl Facts for Packed<'_> {
 
 impl Packed<'_> {
     /// A ball, stick or ring and where it stands; `None` for all else.
+    #[inline(always)]
     fn member(&self, index: u32) -> Option<(&Placed<'_>, Member<'_>)> {
         if index < self.first_cylinder {
             let (placed, i) = self.place_of(index, |placed| placed.first_sphere);
@@ -517,6 +487,119 @@ impl Packed<'_> {
             return Some((placed, Member::Torus(&placed.block.tori[i])));
         }
         None
+    }
+}
+
+/// Packs whose members have lines or may be see-through: made in view space pack by pack. On their own, to leave the others' code short.
+pub(super) struct Any<'a>(pub(super) Packed<'a>);
+
+impl Any<'_> {
+    #[inline(always)]
+    fn see_as<const PARALLEL: bool>(
+        &self,
+        tile: &mut Tile,
+        candidates: &mut Vec<Candidate>,
+        place: &Place<'_>,
+        number: usize,
+    ) {
+        let Any(packed) = self;
+        let mut solids = Solids { see_through: packed.others.see_through, ..Solids::default() };
+        let list = &packed.list[packed.first[number] as usize..packed.first[number + 1] as usize];
+        for (asked, &seen) in list.iter().enumerate() {
+            let Seen { nearest, pixels, placement, pack } = packed.seen[seen as usize];
+            if asked % 16 == 15 && nearest > tile.farthest() {
+                break; // the rest is behind everything
+            }
+            if tile.hides(place, nearest, pixels) {
+                continue;
+            }
+            let placed = &packed.placed[placement as usize];
+            let pack = &placed.packs.packs[pack as usize];
+            let members = &placed.packs.members[pack.start as usize..];
+            let (spheres, members) = members.split_at(usize::from(pack.spheres));
+            let (cylinders, members) = members.split_at(usize::from(pack.cylinders));
+            let members = [spheres, cylinders, &members[..usize::from(pack.tori)]];
+            self.draw_members::<PARALLEL>((tile, place), placed, &mut solids, members);
+        }
+        packed.other_bins.of_tile(number, candidates);
+        for candidate in candidates.iter_mut() {
+            let number = candidate.index as usize;
+            candidate.index = packed.of_scene(candidate.index);
+            tile.draw_any::<PARALLEL>(place, (packed.others, number), candidate);
+        }
+    }
+
+    /// Draws balls, sticks and rings of a block that have lines or may be see-through; `solids` is room to work in.
+    #[inline(always)]
+    fn draw_members<const PARALLEL: bool>(
+        &self,
+        (tile, place): (&mut Tile, &Place<'_>),
+        placed: &Placed<'_>,
+        solids: &mut Solids,
+        [spheres, cylinders, tori]: [&[u32]; 3],
+    ) {
+        let (block, to_view, first_id) = (placed.block, &placed.view_from_block, placed.first_id);
+        solids.clear_simple();
+        spheres.iter().for_each(|&i| solids.push_sphere(&block.spheres[i as usize], to_view, first_id));
+        let numbers = spheres.iter().map(|i| placed.first_sphere + i);
+        let is_stick = |&&i: &&u32| solids.push_cylinder(&block.cylinders[i as usize], to_view, first_id);
+        let sticks: Vec<u32> = cylinders.iter().filter(is_stick).map(|i| placed.first_cylinder + i).collect();
+        for (number, index) in numbers.chain(sticks).enumerate() {
+            let Some(mut candidate) = self.0.framing.primitive(solids, number, self.0.outline.as_ref()) else {
+                continue;
+            };
+            candidate.index = index;
+            if !tile.hides(place, candidate.nearest, candidate.pixels) {
+                tile.draw_any::<PARALLEL>(place, (solids, number), &candidate);
+            }
+        }
+        for &i in tori {
+            if !solids.push_torus(&block.tori[i as usize], to_view, first_id) {
+                continue;
+            }
+            let number = solids.len() - 1;
+            let Some(torus) = solids.tori.last().map(|torus| self.0.outline.map_or(*torus, |line| line.torus(torus)))
+            else {
+                continue;
+            };
+            for piece in self.0.framing.torus(placed.first_torus + i, torus) {
+                tile.draw_any::<PARALLEL>(place, (solids, number), &piece);
+            }
+        }
+    }
+}
+
+impl Source for Any<'_> {
+    fn is_empty(&self, tile: usize) -> bool {
+        self.0.is_empty(tile)
+    }
+
+    #[inline(always)]
+    fn see(&self, tile: &mut Tile, candidates: &mut Vec<Candidate>, place: &Place<'_>, number: usize) {
+        tile.clear(place);
+        if place.grid.orthographic {
+            self.see_as::<true>(tile, candidates, place, number);
+        } else {
+            self.see_as::<false>(tile, candidates, place, number);
+        }
+    }
+}
+
+impl Facts for Any<'_> {
+    fn of_shader(&self, index: u32) -> u32 {
+        self.0.of_shader(index)
+    }
+
+    fn fact(&self, index: u32) -> Fact {
+        self.0.fact(index)
+    }
+
+    fn behind(&self, outline: &Outline, index: u32) -> f32 {
+        self.0.behind(outline, index)
+    }
+
+    fn alone(&self, index: u32) -> Option<Solids> {
+        self.0.alone(index)
     }
 }
 

@@ -225,7 +225,9 @@ impl<'a> Shadows<'a> {
         };
         let seen = |light: &'l Light| Seen {
             turns: &light.turns,
-            sights: (light.turns.directions.iter().zip(&light.sights)).map(|(&toward, sight)| of(toward, sight)).collect(),
+            sights: (light.turns.directions.iter().zip(&light.sights))
+                .map(|(&toward, sight)| of(toward, sight))
+                .collect(),
         };
         Questions { sky: seen(sky), key: seen(key), solids: self.solids, samples: *of_pixel, crowd: &self.crowd }
     }

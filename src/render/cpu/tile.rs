@@ -352,6 +352,26 @@ impl Tile {
         self.draw(place, candidate, &[true; LANES], &drawn);
     }
 
+    /// Draws a cone or triangle, `number` of `solids`, all opaque and without lines.
+    #[inline(always)]
+    pub(super) fn draw_other<const PARALLEL: bool>(
+        &mut self,
+        place: &Place<'_>,
+        (solids, number): (&Solids, u32),
+        candidate: &Candidate,
+    ) {
+        let (near, mask) = (place.near, [true; LANES]);
+        match solids.primitive(number as usize) {
+            Primitive::Cone(i) => {
+                self.draw(place, candidate, &mask, &Drawn::<_, PARALLEL> { solid: solids.cones[i], near });
+            }
+            Primitive::Triangle(i) => {
+                self.draw(place, candidate, &mask, &Drawn::<_, PARALLEL> { solid: solids.triangles[i], near });
+            }
+            Primitive::Sphere(_) | Primitive::Cylinder(_) | Primitive::Torus(_) => {}
+        }
+    }
+
     #[inline(always)]
     fn draw_candidate<const PARALLEL: bool>(
         &mut self,

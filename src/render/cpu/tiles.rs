@@ -8,7 +8,7 @@ use super::backdrop::Row;
 use super::binning::Candidate;
 use super::bunches::Copies;
 use super::lanes::Pass;
-use super::packs::{Packed, Packs};
+use super::packs::{Any, Packed, Packs};
 use super::reach::{Lights, Questions, Shadows};
 use super::shade;
 use super::shader::Shader;
@@ -298,6 +298,9 @@ pub(super) fn image(
     match packs {
         Some(packs) => {
             let source = Packed::new(scene, packs, &solids, outline.as_ref(), (view, tile));
+            if source.is_any() {
+                return sampled(&Picture::new(shader, Any(source), view, tile), asked, stop);
+            }
             sampled(&Picture::new(shader, source, view, tile), asked, stop)
         }
         None => {
@@ -377,7 +380,7 @@ fn image_through(
         let (outline, passes) = (Outline::of(&frame), [Pass::of_one(sample, samples)]);
         let (shader, asked) = (Shader::new(&frame, &solids, ground_map), (&passes[..], &questions));
         if let Some(packs) = packs {
-            let source = Packed::new(scene, packs, &solids, outline.as_ref(), (&view, side));
+            let source = Any(Packed::new(scene, packs, &solids, outline.as_ref(), (&view, side)));
             Picture::new(shader, source, &view, side).add_to_all(asked, &mut sums, stop);
         } else {
             let source = Listed::new(&solids, outline.as_ref(), &view, side);
@@ -399,7 +402,7 @@ pub(super) fn gbuffer(scene: &Scene, view: &View, known: Known<'_>) -> GBuffer {
     let shader = Shader::new(&frame, &solids, &none);
     match packs {
         Some(packs) => {
-            let source = Packed::new(scene, packs, &solids, None, (view, tile));
+            let source = Any(Packed::new(scene, packs, &solids, None, (view, tile)));
             facts(&Picture::new(shader, source, view, tile), &pass)
         }
         None => {
