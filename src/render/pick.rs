@@ -117,7 +117,7 @@ mod tests {
     use super::*;
     use crate::render::cpu::CpuRenderer;
     use crate::render::{GBuffer, Renderer};
-    use crate::scene::{Item, Placement, SceneOptions};
+    use crate::scene::{Item, SceneOptions};
     use std::sync::Arc;
 
     #[test]

@@ -29,8 +29,9 @@ fn chain(seed: u64, count: u32, opacity: u8) -> Block {
         let (a, b, hidden) = (at.to_array(), next.to_array(), if id % 3 == 0 { 0 } else { 3 });
         block.cylinders.push(CylinderInstance { a, radius: 0.15, b, id: count + id, color_a, color_b, caps, hidden });
         if id % 40 == 0 {
-            let axis = (next - at).to_array();
-            block.tori.push(TorusInstance { center: b, ring_radius: 1.5, axis, tube_radius: 0.2, color, id });
+            let axis = (next - at).normalize().to_array();
+            let (ring_radius, tube_radius, reserved) = (1.5, 0.2, [0; 2]);
+            block.tori.push(TorusInstance { center: b, ring_radius, axis, tube_radius, color, id, reserved });
             let far = (next * 1.3).to_array();
             block.cones.push(ConeInstance { a: b, radius_a: 0.5, b: far, radius_b: 0.0, color, id, reserved: [0; 2] });
         }
