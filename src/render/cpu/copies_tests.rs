@@ -99,7 +99,7 @@ fn copies_look_as_they_do_spread_out() {
             println!("{case}, {} directions: {off:.4} of 255", settings.ao);
             assert!(off < 0.25, "{case}, {} directions: {off}", settings.ao);
             let plain = spread.rgba.chunks_exact(4).filter(|pixel| *pixel == &spread.rgba[..4]).count();
-            assert!(plain < spread.rgba.len() / 8, "{case} shows little");
+            assert!(plain < spread.rgba.len() * 3 / 16, "{case} shows little");
         }
     }
 }
@@ -125,6 +125,7 @@ fn copies_have_the_ids_depths_and_sky_that_they_have_spread_out() {
 fn only_what_is_placed_often_and_is_large_is_drawn_from_its_blocks() {
     let scene = scene(255);
     assert!(is_of_copies(&scene, 10_000) && !is_of_copies(&scene, MOST_SPREAD));
-    let once = Scene { placements: scene.placements[6..].to_vec(), ..Scene::clone(&scene) };
+    let mut once = Scene::clone(&scene);
+    once.placements.drain(..6);
     assert!(!is_of_copies(&once, 0));
 }
