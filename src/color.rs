@@ -41,6 +41,7 @@ impl Srgb8 {
     /// let grey = Srgb8::rgb(188, 188, 188).to_linear();
     /// assert!((grey[0] - 0.5).abs() < 0.005);
     /// ```
+    #[inline]
     #[must_use]
     pub fn to_linear(self) -> [f32; 3] {
         [SRGB_TO_LINEAR[usize::from(self.r)], SRGB_TO_LINEAR[usize::from(self.g)], SRGB_TO_LINEAR[usize::from(self.b)]]

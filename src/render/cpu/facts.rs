@@ -2,12 +2,14 @@
 
 use super::behind::Mask;
 use super::lanes::{LANES, Lanes};
+use super::moved::Axes;
+use super::shade::GROUP;
 use super::source::Facts;
 use crate::color::Srgb8;
 use crate::math::{max, min};
 use crate::render::outline::RIM;
 use crate::render::solids::{Cylinder, Sphere, Torus};
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 
 /// What shading needs of a primitive.
 #[derive(Clone, Copy)]
@@ -82,6 +84,29 @@ impl Fact {
     }
 }
 
+/// Balls and sticks of a block, one a lane, and no two need be the same.
+pub(super) struct Raw<'a> {
+    view_from_block: &'a Affine3A,
+    /// Which lanes hold one.
+    pub(super) lanes: Mask,
+    /// Ends of the axis in the block; the centre twice for a ball.
+    pub(super) ends: [[Lanes; 3]; 2],
+    pub(super) radius: Lanes,
+    /// Colours of the halves: the bytes of an [`Srgb8`].
+    pub(super) colors: [[u32; LANES]; 2],
+    /// As [`Cylinder::caps`]; 0 for a ball.
+    pub(super) caps: [u32; LANES],
+}
+
+impl<'a> Raw<'a> {
+    /// None yet.
+    #[inline(always)]
+    pub(super) fn new(view_from_block: &'a Affine3A) -> Raw<'a> {
+        let (zero, none) = ([0.0; LANES], [0; LANES]);
+        Raw { view_from_block, lanes: none, ends: [[zero; 3]; 2], radius: zero, colors: [none; 2], caps: none }
+    }
+}
+
 /// Facts that [`Memo`] keeps. Chosen: a row of a tile's groups shows fewer primitives at 10,000 atoms, and so do neighbouring rows.
 const KEPT: usize = 256;
 
@@ -115,6 +140,21 @@ impl<'a> Memo<'a> {
     }
 }
 
+/// Of so many patches on the looks of balls and sticks are found for all lanes together, not one primitive after the other. Measured.
+const MANY: u32 = 6;
+
+/// In how many places of a group of 4 × 4 the primitive is another than to the left and above: about how many primitives it shows.
+#[inline(always)]
+fn patches(indices: &[u32; LANES]) -> u32 {
+    let mut count = 0;
+    for lane in 0..LANES {
+        let is_left = lane % GROUP > 0 && indices[lane] == indices[lane.wrapping_sub(1) % LANES];
+        let is_above = lane >= GROUP && indices[lane] == indices[lane.wrapping_sub(GROUP) % LANES];
+        count += u32::from(!is_left & !is_above);
+    }
+    count
+}
+
 /// Of the samples of a group, what they see.
 pub(super) struct Looks {
     /// Normals of any length.
@@ -131,6 +171,14 @@ impl Looks {
     pub(super) fn of(memo: &mut Memo<'_>, indices: &[u32; LANES], seen: &Mask, hit: &[Lanes; 3]) -> Looks {
         let mut looks = Looks { normal: [[0.0; LANES]; 3], albedo: [[0.0; LANES]; 3], others: [0; LANES] };
         let (mut left, mut lane) = (*seen, 0);
+        if patches(indices) >= MANY
+            && let Some(raw) = memo.source.raw(indices, seen)
+        {
+            looks.add_raw(&raw, hit);
+            for (left, known) in left.iter_mut().zip(&raw.lanes) {
+                *left &= !known;
+            }
+        }
         while lane < LANES {
             if left[lane] == 0 {
                 lane += 1;
@@ -155,6 +203,48 @@ impl Looks {
             }
         }
         looks
+    }
+
+    /// What [`Looks::add_ball`] and [`Looks::add_stick`] do, for each lane something else.
+    #[inline(always)]
+    fn add_raw(&mut self, raw: &Raw<'_>, hit: &[Lanes; 3]) {
+        let [a, b] = &raw.ends;
+        let Axes { center, along: axis, half_length } = Axes::new(raw.view_from_block, [a.each_ref(), b.each_ref()]);
+        let (mut normal, mut color) = ([[0.0; LANES]; 3], [0u32; LANES]);
+        for lane in 0..LANES {
+            let (h, [cap_a, cap_b]) = (half_length[lane], [raw.caps[lane] & 3, raw.caps[lane] >> 2 & 3]);
+            let at = |is_there: bool| if is_there { h } else { f32::INFINITY };
+            let (caps, ends) = ([-at(cap_a == 1), at(cap_b == 1)], [-at(cap_a == 2), at(cap_b == 2)]);
+            let is_round = (cap_a == 2) | (cap_b == 2);
+            let axis = [axis[0][lane], axis[1][lane], axis[2][lane]];
+            let p = [hit[0][lane] - center[0][lane], hit[1][lane] - center[1][lane], hit[2][lane] - center[2][lane]];
+            let along = p[0] * axis[0] + p[1] * axis[1] + p[2] * axis[2];
+            let side = [p[0] - axis[0] * along, p[1] - axis[1] * along, p[2] - axis[2] * along];
+            let out = (side[0] * side[0] + side[1] * side[1] + side[2] * side[2]).sqrt();
+            let off_side = (raw.radius[lane] - out).abs();
+            let (off_a, off_b) = ((along - caps[0]).abs(), (along - caps[1]).abs());
+            let inner = min(max(along, ends[0]), ends[1]);
+            let by_a = (off_a < off_side) & (off_a <= off_b);
+            let by_b = (off_b < off_side) & !by_a;
+            let cap = if by_a { -1.0 } else { 1.0 };
+            color[lane] = if along > 0.0 { raw.colors[1][lane] } else { raw.colors[0][lane] };
+            for part in 0..3 {
+                let n = if is_round { p[part] - axis[part] * inner } else { side[part] };
+                normal[part][lane] = if by_a | by_b { axis[part] * cap } else { n };
+            }
+        }
+        let mut light = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            let color: Srgb8 = bytemuck::cast(color[lane]);
+            [light[0][lane], light[1][lane], light[2][lane]] = color.to_linear();
+        }
+        for part in 0..3 {
+            for lane in 0..LANES {
+                let (own, albedo) = (&mut self.normal[part][lane], &mut self.albedo[part][lane]);
+                *own = if raw.lanes[lane] != 0 { normal[part][lane] } else { *own };
+                *albedo = if raw.lanes[lane] != 0 { light[part][lane] } else { *albedo };
+            }
+        }
     }
 
     #[inline(always)]

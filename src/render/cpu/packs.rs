@@ -6,10 +6,12 @@
 //! A picture asks the box of every pack, and of those that may be seen each primitive: the cost is that of what is on the
 //! screen, and a little for each pack. Everything else (cones, triangles) is few, and goes the way of [`super::binning`].
 
+use super::behind::Mask;
 use super::binning::{Bins, Candidate, Framing, share_out};
-use super::facts::Fact;
+use super::facts::{Fact, Raw};
+use super::intersect::FLAT_CAPS;
 use super::lanes::{LANES, Lanes};
-use super::small::{Window, draw_balls, draw_sticks};
+use super::small::{Queues, Window, draw_balls, draw_sticks};
 use super::source::{Facts, Source};
 use super::tile::{Place, Tile};
 use crate::math::Aabb;
@@ -39,6 +41,8 @@ struct Pack {
     spheres: u8,
     cylinders: u8,
     tori: u8,
+    /// Whether all sticks have flat caps.
+    are_flat: bool,
 }
 
 /// The packs of a block, in its space.
@@ -135,6 +139,10 @@ impl BlockPacks {
                 spheres: spheres as u8,
                 cylinders: (simple - spheres) as u8,
                 tori: (chunk.len() - simple) as u8,
+                are_flat: chunk[spheres..simple].iter().all(|&(_, i)| match kind(i as usize) {
+                    Member::Cylinder(cylinder) => cylinder.caps == FLAT_CAPS,
+                    Member::Sphere(_) | Member::Torus(_) => true,
+                }),
             }
         };
         let mut packs: Vec<Pack> = order.par_chunks_mut(MEMBERS).enumerate().with_min_len(64).map(chunk).collect();
@@ -205,14 +213,16 @@ impl Placed<'_> {
     #[inline(always)]
     pub(super) fn balls(&self, first: usize) -> [&Lanes; 4] {
         let [x, y, z, radius] = &self.packs.balls;
-        [x, y, z, radius].map(|lanes| lanes_at(lanes, first))
+        [lanes_at(x, first), lanes_at(y, first), lanes_at(z, first), lanes_at(radius, first)]
     }
 
     /// [`LANES`] sticks of the packs: coordinates of both their ends, and their radii.
     #[inline(always)]
     pub(super) fn sticks(&self, first: usize) -> ([[&Lanes; 3]; 2], &Lanes) {
         let [ax, ay, az, bx, by, bz, radius] = &self.packs.sticks;
-        ([[ax, ay, az], [bx, by, bz]].map(|end| end.map(|lanes| lanes_at(lanes, first))), lanes_at(radius, first))
+        let a = [lanes_at(ax, first), lanes_at(ay, first), lanes_at(az, first)];
+        let b = [lanes_at(bx, first), lanes_at(by, first), lanes_at(bz, first)];
+        ([a, b], lanes_at(radius, first))
     }
 }
 
@@ -329,7 +339,7 @@ impl<'a> Packed<'a> {
         place: &Place<'_>,
         number: usize,
     ) {
-        let window = Window::new(place);
+        let (window, mut queues) = (Window::new(place), Queues::new());
         let list = &self.list[self.first[number] as usize..self.first[number + 1] as usize];
         for (asked, &seen) in list.iter().enumerate() {
             let Seen { nearest, pixels, placement, pack } = self.seen[seen as usize];
@@ -346,10 +356,16 @@ impl<'a> Packed<'a> {
             let (spheres, members) = members.split_at(counts[0]);
             let (cylinders, tori) = members.split_at(counts[1]);
             let (first_ball, first_stick) = (pack.first_ball as usize, pack.first_stick as usize);
-            draw_balls::<PARALLEL>((tile, place), (&window, &self.framing), placed, (first_ball, spheres));
-            draw_sticks::<PARALLEL>((tile, place), (&window, &self.framing), placed, (first_stick, cylinders));
+            draw_balls::<PARALLEL>((tile, place, &mut queues), (&window, &self.framing), placed, (first_ball, spheres));
+            draw_sticks::<PARALLEL>(
+                (tile, place, &mut queues),
+                (&window, &self.framing),
+                placed,
+                (first_stick, cylinders, pack.are_flat),
+            );
             self.draw_rings::<PARALLEL>((tile, place), placed, tori);
         }
+        queues.draw::<PARALLEL>(tile, place);
         self.other_bins.of_tile(number, candidates);
         for candidate in candidates.iter_mut() {
             let number = candidate.index;
@@ -398,6 +414,10 @@ impl<'a> Packed<'a> {
     }
 }
 
+/// Words of [`SphereInstance`] and of [`CylinderInstance`].
+const BALL_WORDS: usize = size_of::<SphereInstance>() / 4;
+const STICK_WORDS: usize = size_of::<CylinderInstance>() / 4;
+
 /// Rings of no more pixels are not drawn in pieces: all would lie in the same few blocks of samples. Chosen.
 const SMALL_RING: u16 = 12;
 
@@ -421,6 +441,48 @@ impl Facts for Packed<'_> {
     fn of_shader(&self, index: u32) -> u32 {
         let is_cone = index < self.first_torus;
         if is_cone { index - self.first_cone } else { index - self.first_triangle + self.others.cones.len() as u32 }
+    }
+
+    fn raw(&self, indices: &[u32; LANES], lanes: &Mask) -> Option<Raw<'_>> {
+        let first = indices.iter().zip(lanes).find(|&(&i, &lane)| lane != 0 && i < self.first_cone)?;
+        let placed = match *first.0 < self.first_cylinder {
+            true => self.place_of(*first.0, |placed| placed.first_sphere).0,
+            false => self.place_of(*first.0, |placed| placed.first_cylinder).0,
+        };
+        let (balls, sticks) = (&placed.block.spheres, &placed.block.cylinders);
+        let mut raw = Raw::new(&placed.view_from_block);
+        // As words: which of the two it is then makes no branch.
+        let words: [&[u32]; 2] = [bytemuck::cast_slice(balls), bytemuck::cast_slice(sticks)];
+        let (mut is_stick, mut at) = ([0; LANES], [0; LANES]);
+        for lane in 0..LANES {
+            let (ball, stick) =
+                (indices[lane].wrapping_sub(placed.first_sphere), indices[lane].wrapping_sub(placed.first_cylinder));
+            let [known_ball, known_stick] = [(ball as usize) < balls.len(), (stick as usize) < sticks.len()];
+            raw.lanes[lane] = if known_ball | known_stick { lanes[lane] } else { 0 };
+            is_stick[lane] = usize::from(!known_ball);
+            at[lane] = if known_ball { ball as usize * BALL_WORDS } else { stick as usize * STICK_WORDS };
+        }
+        // One word of all, then the next, so that what is not in the caches is waited for at the same time.
+        let word = |lane: usize, [of_ball, of_stick]: [usize; 2]| {
+            let is_stick: usize = is_stick[lane];
+            words[is_stick].get(at[lane] + [of_ball, of_stick][is_stick]).copied().unwrap_or_default()
+        };
+        for lane in 0..LANES {
+            raw.ends[0][0][lane] = f32::from_bits(word(lane, [0, 0]));
+        }
+        for lane in 0..LANES {
+            raw.colors[1][lane] = word(lane, [4, 9]);
+        }
+        for lane in 0..LANES {
+            raw.colors[0][lane] = word(lane, [4, 8]);
+            raw.radius[lane] = f32::from_bits(word(lane, [3, 3]));
+            raw.caps[lane] = if is_stick[lane] == 0 { 0 } else { word(lane, [0, 10]) };
+            for axis in 0..3 {
+                raw.ends[0][axis][lane] = f32::from_bits(word(lane, [axis, axis]));
+                raw.ends[1][axis][lane] = f32::from_bits(word(lane, [axis, 4 + axis]));
+            }
+        }
+        Some(raw)
     }
 
     fn fact(&self, index: u32) -> Fact {

@@ -1,8 +1,10 @@
 //! Where the primitives of a picture come from: all of them found in view space beforehand, or pack by pack as they are
 //! needed ([`super::packs`]).
 
+use super::behind::Mask;
 use super::binning::{Bins, Candidate};
-use super::facts::Fact;
+use super::facts::{Fact, Raw};
+use super::lanes::LANES;
 use super::tile::{Place, Tile};
 use crate::render::outline::Outline;
 use crate::render::settings::View;
@@ -21,6 +23,9 @@ pub(super) trait Source: Facts {
 pub(super) trait Facts: Sync {
     /// What is neither ball, stick nor ring as the shader's solids number it.
     fn of_shader(&self, index: u32) -> u32;
+
+    /// Those of sixteen that are balls or sticks, if it knows them in a block.
+    fn raw(&self, indices: &[u32; LANES], lanes: &Mask) -> Option<Raw<'_>>;
 
     /// What shading needs of a ball, stick or ring.
     fn fact(&self, index: u32) -> Fact;
@@ -59,6 +64,10 @@ impl Source for Listed<'_> {
 impl Facts for Listed<'_> {
     fn of_shader(&self, index: u32) -> u32 {
         index
+    }
+
+    fn raw(&self, _: &[u32; LANES], _: &Mask) -> Option<Raw<'_>> {
+        None
     }
 
     fn fact(&self, index: u32) -> Fact {

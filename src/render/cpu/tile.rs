@@ -18,6 +18,9 @@ use std::ops::Range;
 /// Blocks on a side of a tile, at most.
 pub(super) const SIDE: usize = 32;
 
+/// Samples of a tile.
+pub(super) const SAMPLES: usize = SIDE * SIDE * LANES;
+
 /// The depth of a primitive along the ray of plane coordinates. (A trait, not a closure: it must be inlined wherever it is used.)
 pub(super) trait DepthAt {
     /// Whether it has a line around it.
@@ -76,7 +79,7 @@ pub(super) struct Drawn<S, const PARALLEL: bool> {
 
 /// The ray of plane coordinates.
 #[inline(always)]
-fn ray<const PARALLEL: bool>(u: f32, v: f32) -> Ray {
+pub(super) fn ray<const PARALLEL: bool>(u: f32, v: f32) -> Ray {
     if PARALLEL {
         Ray { origin: Vec3::new(u, v, 0.0), direction: Vec3::new(0.0, 0.0, -1.0) }
     } else {
@@ -216,6 +219,8 @@ pub(super) struct Tile {
     pub(super) index: [[[u32; LANES]; SIDE]; SIDE],
     /// The farthest depth of each block; infinity while a sample of it is empty.
     farthest: [[f32; SIDE]; SIDE],
+    /// Samples of each block in which nothing is seen.
+    empty: [[u8; SIDE]; SIDE],
     /// Whether anything is seen in each block.
     pub(super) touched: [[bool; SIDE]; SIDE],
 }
@@ -241,6 +246,7 @@ impl Tile {
             let end = if row < place.blocks[1] { place.blocks[0] } else { 0 };
             self.farthest[row][end..].fill(0.0);
         }
+        self.empty = [[LANES as u8; SIDE]; SIDE];
         self.touched = [[false; SIDE]; SIDE];
     }
 
@@ -440,18 +446,26 @@ impl Tile {
         }
     }
 
+    /// The depths of all samples, through the rows of blocks.
+    #[inline(always)]
+    pub(super) fn depths(&self) -> &[f32] {
+        self.t.as_flattened().as_flattened()
+    }
+
     /// Sees a primitive at this depth in sample `at`, counted through the rows of blocks, if it is nearer than what was seen there.
     #[inline(always)]
     pub(super) fn see_at(&mut self, at: usize, t: f32, index: u32) {
-        let (block, lane) = (at / LANES, at % LANES);
+        let (block, lane) = (at / LANES % (SIDE * SIDE), at % LANES);
         let depths = &mut self.t.as_flattened_mut()[block];
         let seen = &mut self.index.as_flattened_mut()[block][lane];
         let before = depths[lane];
         if t < before || (t == before && index < *seen) {
             (depths[lane], *seen) = (t, index);
             self.touched.as_flattened_mut()[block] = true;
+            let empty = &mut self.empty.as_flattened_mut()[block];
+            *empty -= u8::from(before == f32::INFINITY);
             let farthest = &mut self.farthest.as_flattened_mut()[block];
-            if before == *farthest {
+            if *empty == 0 && (before == *farthest || *farthest == f32::INFINITY) {
                 *farthest = farthest_of(depths);
             }
         }
@@ -518,6 +532,11 @@ impl Tile {
             }
             self.touched[row][column] = true;
             self.farthest[row][column] = farthest_of(t);
+            let mut empty = 0;
+            for t in t {
+                empty += u32::from(*t == f32::INFINITY);
+            }
+            self.empty[row][column] = empty as u8;
         }
     }
 }
