@@ -652,6 +652,10 @@ impl Facts for Any<'_> {
         self.0.of_shader(index)
     }
 
+    fn raw(&self, _: &[u32; LANES], _: &Mask) -> Option<Raw<'_>> {
+        None // lines are not told apart there
+    }
+
     fn fact(&self, index: u32) -> Fact {
         self.0.fact(index)
     }
