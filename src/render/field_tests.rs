@@ -192,6 +192,44 @@ fn ball_on_ground(radius: f32, height: f32) -> (Field, FrameConstants) {
     (Field::new(&scene), frame(&scene))
 }
 
+#[test]
+fn the_quick_map_of_pictures_in_motion_is_nearly_the_exact_one_and_its_sky_stays_while_the_light_turns() {
+    let mut scene = random_scene(9, 400);
+    scene.set_ground(true);
+    let (field, settings) = (Field::new(&scene), Settings { ground_texels: 48, ..Settings::default() });
+    let seen = |turn: f32| {
+        let world_from_view = Quat::from_rotation_y(turn) * Quat::from_rotation_x(-0.2);
+        let camera = Camera {
+            eye: world_from_view * Vec3::new(0.0, 0.0, 100.0),
+            world_from_view,
+            projection: Projection::Perspective { fov_y_rad: 0.5 },
+            near: 0.1,
+            far: 300.0,
+            target: Vec3::ZERO,
+            shift: [0.0; 2],
+        };
+        let view = View::new(camera, 64, 64);
+        (FrameConstants::new(&scene, &view, &settings), view)
+    };
+    let (first, view) = seen(0.0);
+    let above = first.lit_from_above(&scene, &view, &settings);
+    let sky = (above, field.sky_map(&above));
+    let (mut shaded, mut worst) = (0, [0.0f32; 2]);
+    for turn in [0.0, 0.7, 2.5] {
+        let (frame, view) = seen(turn);
+        assert!(above.same_ground_map(&frame.lit_from_above(&scene, &view, &settings)), "it need not be found again");
+        assert!(turn == 0.0 || !first.same_ground_map(&frame), "the light turns with the camera");
+        let (quick, exact) = (field.quick_ground_map(&frame, &sky), field.ground_map(&frame));
+        assert_eq!(quick.size, exact.size);
+        for (quick, exact) in quick.texels.iter().zip(&exact.texels) {
+            shaded += u32::from(exact[0] < 0.5);
+            assert!(quick[0] >= exact[0], "never darker: {quick:?}, {exact:?}");
+            worst = [worst[0].max(quick[0] - exact[0]), worst[1].max((quick[1] - exact[1]).abs())];
+        }
+    }
+    assert!(shaded > 100 && worst[0] <= 1.5 * QUICK_SHADOW + 1e-5 && worst[1] < 0.05, "{shaded} {worst:?}");
+}
+
 fn to_light(frame: &FrameConstants) -> Vec3 {
     Vec3::new(frame.key_in_world[0], frame.key_in_world[1], frame.key_in_world[2])
 }

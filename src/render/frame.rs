@@ -163,6 +163,14 @@ impl FrameConstants {
         }
     }
 
+    /// These constants with the ground map of a key light straight above: the same however the light turns.
+    #[must_use]
+    pub fn lit_from_above(&self, scene: &Scene, view: &View, settings: &Settings) -> FrameConstants {
+        let [_, ground_map, ground_map_size] = grids(scene, view, settings, Vec3::Y);
+        let [x, y, z] = Vec3::Y.to_array();
+        FrameConstants { ground_map, ground_map_size, key_in_world: [x, y, z, self.key_in_world[3]], ..*self }
+    }
+
     /// Whether the ground maps of the two are the same, for one set of primitives.
     #[must_use]
     pub fn same_ground_map(&self, other: &FrameConstants) -> bool {

@@ -185,7 +185,14 @@ impl<'a> Backdrop<'a> {
 /// Linear colours as they are shown.
 #[inline(always)]
 fn bytes(color: &[Lanes; 3]) -> [Srgb8; LANES] {
-    let rgb = [bytes_from_linear(&color[0]), bytes_from_linear(&color[1]), bytes_from_linear(&color[2])];
+    let [red, green, blue] = color;
+    let mut differ = 0;
+    for lane in 0..LANES {
+        differ |= (red[lane].to_bits() ^ green[lane].to_bits()) | (red[lane].to_bits() ^ blue[lane].to_bits());
+    }
+    let red = bytes_from_linear(red);
+    // The ground mostly is grey.
+    let rgb = if differ == 0 { [red; 3] } else { [red, bytes_from_linear(green), bytes_from_linear(blue)] };
     let mut pixels = [Srgb8::BLACK; LANES];
     for (lane, pixel) in pixels.iter_mut().enumerate() {
         *pixel = Srgb8::rgb(rgb[0][lane], rgb[1][lane], rgb[2][lane]);

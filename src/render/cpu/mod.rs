@@ -61,6 +61,8 @@ pub struct CpuRenderer {
     field: Option<Field>,
     /// The last ground maps and the constants they were made with: in motion and at rest they differ in texels.
     ground_maps: [Option<(FrameConstants, GroundMap)>; 2],
+    /// The sky's part of the ground in motion: it stays while the light turns with the camera.
+    sky_map: Option<(FrameConstants, GroundMap)>,
     /// The balls and sticks of the loaded scene in packs, made when a picture first needs them.
     packs: Option<Packs>,
     /// What is known of the sky's and the key light's directions of the loaded scene.
@@ -79,6 +81,7 @@ impl Default for CpuRenderer {
             ground_maps: [None, None],
             packs: None,
             lights: Lights::none(),
+            sky_map: None,
         }
     }
 }
@@ -129,18 +132,21 @@ impl CpuRenderer {
     }
 
     /// The ground map for these constants; found anew only if something it depends on has changed.
-    fn ground_map(&mut self, scene: &Scene, frame: &FrameConstants, in_motion: bool) -> GroundMap {
+    fn ground_map(&mut self, scene: &Scene, frame: &FrameConstants, sky_frame: Option<FrameConstants>) -> GroundMap {
         if !frame.has_ground() {
             return GroundMap::none();
         }
-        let place = &mut self.ground_maps[usize::from(in_motion)];
+        let place = &mut self.ground_maps[usize::from(sky_frame.is_some())];
         let kept = place.take().filter(|(old, _)| old.same_ground_map(frame));
         let (_, map) = place.insert(kept.unwrap_or_else(|| {
             let field = self.field.get_or_insert_with(|| match self.of_copies {
                 true => Field::of_copies(scene, &self.block_fields),
                 false => Field::new(scene),
             });
-            (*frame, field.ground_map(frame))
+            let Some(sky_frame) = sky_frame else { return (*frame, field.ground_map(frame)) };
+            let kept = self.sky_map.take().filter(|(old, _)| old.same_ground_map(&sky_frame));
+            let sky = self.sky_map.insert(kept.unwrap_or_else(|| (sky_frame, field.sky_map(&sky_frame))));
+            (*frame, field.quick_ground_map(frame, sky))
         }));
         map.clone()
     }
@@ -153,7 +159,9 @@ impl CpuRenderer {
         // Drawing in motion does not ask, and must not throw away what the picture at rest needs again.
         let asks = settings.ao > 0 || settings.shadow;
         self.find_copies(&scene, asks, frame.has_ground());
-        let ground_map = self.ground_map(&scene, &frame, !asks);
+        let is_quick = !asks && settings.samples == 1 && settings.ground_texels < Settings::QUICK_GROUND;
+        let sky_frame = is_quick.then(|| frame.lit_from_above(&scene, view, settings));
+        let ground_map = self.ground_map(&scene, &frame, sky_frame);
         let mut none = Lights::none();
         if asks {
             self.lights.update(&frame, settings);
@@ -196,6 +204,7 @@ impl Renderer for CpuRenderer {
             self.block_fields = Vec::new();
             self.ground_maps = [None, None];
             self.of_copies = is_of_copies(&scene, self.most_spread);
+            self.sky_map = None;
         }
         self.scene = Some(scene);
         Ok(())

@@ -11,6 +11,7 @@ use super::binning::{Bins, Candidate, Framing, share_out};
 use super::facts::{Fact, Raw};
 use super::intersect::FLAT_CAPS;
 use super::lanes::{LANES, Lanes};
+use super::simd::prefetch;
 use super::small::{Queues, Window, draw_balls, draw_sticks};
 use super::source::{Facts, Source};
 use super::tile::{Place, Tile};
@@ -441,6 +442,18 @@ impl Facts for Packed<'_> {
     fn of_shader(&self, index: u32) -> u32 {
         let is_cone = index < self.first_torus;
         if is_cone { index - self.first_cone } else { index - self.first_triangle + self.others.cones.len() as u32 }
+    }
+
+    fn prefetch(&self, indices: &[u32; LANES]) {
+        // Of several placements it would have to be found out first which one it is.
+        let [placed] = self.placed.as_slice() else { return };
+        for &index in indices {
+            if index < self.first_cylinder {
+                prefetch(&placed.block.spheres, index as usize);
+            } else {
+                prefetch(&placed.block.cylinders, (index - self.first_cylinder) as usize);
+            }
+        }
     }
 
     fn raw(&self, indices: &[u32; LANES], lanes: &Mask) -> Option<Raw<'_>> {

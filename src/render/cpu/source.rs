@@ -24,6 +24,9 @@ pub(super) trait Facts: Sync {
     /// What is neither ball, stick nor ring as the shader's solids number it.
     fn of_shader(&self, index: u32) -> u32;
 
+    /// Says that these will be asked for soon.
+    fn prefetch(&self, indices: &[u32; LANES]);
+
     /// Those of sixteen that are balls or sticks, if it knows them in a block.
     fn raw(&self, indices: &[u32; LANES], lanes: &Mask) -> Option<Raw<'_>>;
 
@@ -65,6 +68,8 @@ impl Facts for Listed<'_> {
     fn of_shader(&self, index: u32) -> u32 {
         index
     }
+
+    fn prefetch(&self, _: &[u32; LANES]) {}
 
     fn raw(&self, _: &[u32; LANES], _: &Mask) -> Option<Raw<'_>> {
         None
