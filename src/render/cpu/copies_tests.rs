@@ -83,7 +83,7 @@ fn copies_look_as_they_do_spread_out() {
     let settings = [settings[0], Settings { samples: 4, ground_texels: 64, ..settings[1] }];
     for (case, opacity, outline, lens, projection) in [
         ("plain", 255, 0.0, None, None),
-        ("parallel", 255, 0.0, None, Some(Projection::Orthographic { height: 90.0 })),
+        ("parallel", 255, 0.0, None, Some(Projection::Orthographic { height: 70.0 })),
         ("see-through", 90, 0.0, None, None),
         ("with lines", 255, 0.006, None, None),
         ("all at once", 90, 0.006, Some(lens), None),
@@ -99,7 +99,7 @@ fn copies_look_as_they_do_spread_out() {
             println!("{case}, {} directions: {off:.4} of 255", settings.ao);
             assert!(off < 0.25, "{case}, {} directions: {off}", settings.ao);
             let plain = spread.rgba.chunks_exact(4).filter(|pixel| *pixel == &spread.rgba[..4]).count();
-            assert!(plain < spread.rgba.len() * 3 / 16, "{case} shows little");
+            assert!(plain < spread.rgba.len() * 7 / 32, "{case} shows little");
         }
     }
 }
