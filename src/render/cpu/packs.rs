@@ -665,6 +665,10 @@ impl Facts for Any<'_> {
         self.0.of_shader(index)
     }
 
+    fn prefetch(&self, indices: &[u32; LANES]) {
+        self.0.prefetch(indices);
+    }
+
     fn raw(&self, _: &[u32; LANES], _: &Mask) -> Option<Raw<'_>> {
         None // lines are not told apart there
     }
