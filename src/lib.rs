@@ -86,8 +86,8 @@
 //! - Depth of field leaves ground and background sharp, and shows faint copies where a blur is wider than 64 samples make smooth.
 //! - Finished pictures of large structures take time for the light from afar: on two cores some 3 s at 100,000 atoms and 15 s at 1,000,000.
 //!   `--quality draft` goes without.
-//! - Copies of an assembly share their atoms in structure and scene; finished pictures, and pictures by a GPU, spread them out: 60 copies of
-//!   100,000 atoms take 1.3 GB. Frames of a moving window on the CPU do not.
+//! - Copies of an assembly share their atoms in structure and scene, and in the CPU's pictures, finished or in motion. Pictures by a GPU spread
+//!   them out.
 //! - What others hide is left out on a GPU only where it can compute, of scenes without many copies, and of balls and sticks: cones, rings and
 //!   triangles are drawn all. Lists of what is drawn take some 5 bytes a ball and a stick each. Things smaller than a pixel are not merged.
 //! - On a GPU whose textures are too small for the primitives, or for the tubes of one sample's directions (about 200,000 atoms

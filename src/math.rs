@@ -1,6 +1,6 @@
 //! Geometry that several layers share: bounds, safe directions, perpendicular frames.
 
-use glam::{Mat3, Vec3};
+use glam::{Affine3A, Mat3, Vec3, Vec3A};
 
 /// The smaller of two numbers, the second beside NaN: one instruction, where `f32::min` takes several for NaN's sake.
 #[inline(always)]
@@ -63,6 +63,16 @@ impl Aabb {
     #[must_use]
     pub fn grown(self, by: f32) -> Aabb {
         Aabb { min: self.min - by, max: self.max + by }
+    }
+
+    /// A box around this one where a motion brings it.
+    #[must_use]
+    pub fn moved(self, motion: &Affine3A) -> Aabb {
+        let (middle, half) = (motion.transform_point3((self.min + self.max) * 0.5), (self.max - self.min) * 0.5);
+        let reach = Vec3::from(motion.matrix3.abs() * Vec3A::from(half));
+        // Rounding must not cut what lies on its faces.
+        let reach = reach + (middle.abs() + reach) * 1e-5;
+        Aabb { min: middle - reach, max: middle + reach }
     }
 
     /// Distance from a point to the box, 0 inside.

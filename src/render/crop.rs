@@ -10,7 +10,7 @@
 use super::bounds::{BoundsCamera, cylinder_rect, sphere_rect};
 use super::frame::FrameConstants;
 use super::outline::Outline;
-use super::solids::Solids;
+use super::solids::{Cylinder, Sphere};
 use super::{Image, Renderer, Settings, View};
 use crate::error::Result;
 use crate::scene::{Background, Region, Scene};
@@ -110,21 +110,28 @@ impl PixelBox {
 
 /// Bounds of all balls and sticks, lines included.
 fn solid_bounds(scene: &Scene, view: &View, outline: Option<&Outline>) -> PixelBox {
-    let solids = Solids::new(scene, view.camera.view_from_world());
+    let view_from_world = view.camera.view_from_world();
     let grid = view.pixel_grid();
     let camera = BoundsCamera { orthographic: grid.orthographic, near: view.camera.near };
-    let spheres = solids.spheres.par_iter().filter_map(|s| {
-        let s = outline.map_or(*s, |outline| outline.sphere(s));
-        sphere_rect(s.center, s.radius, &camera)
-    });
-    let cylinders = solids.cylinders.par_iter().filter_map(|c| {
-        let c = outline.map_or(*c, |outline| outline.cylinder(c));
-        let [a, b] = c.ends();
-        cylinder_rect(a, b, c.radius, c.round(), &camera)
+    let rects = scene.placements.par_iter().flat_map(|placement| {
+        let view_from_block = view_from_world * placement.world_from_block;
+        let block = &scene.blocks[placement.block];
+        let spheres = block.spheres.par_iter().filter_map(move |instance| {
+            let s = Sphere::new(instance, &view_from_block);
+            let s = outline.map_or(s, |outline| outline.sphere(&s));
+            sphere_rect(s.center, s.radius, &camera)
+        });
+        let cylinders = block.cylinders.par_iter().filter_map(move |instance| {
+            let c = Cylinder::new(instance, &view_from_block)?;
+            let c = outline.map_or(c, |outline| outline.cylinder(&c));
+            let [a, b] = c.ends();
+            cylinder_rect(a, b, c.radius, c.round(), &camera)
+        });
+        spheres.chain(cylinders)
     });
     let none = || (Vec2::INFINITY, Vec2::NEG_INFINITY);
     let around = |a: (Vec2, Vec2), b: (Vec2, Vec2)| (a.0.min(b.0), a.1.max(b.1));
-    let (low, high) = spheres.chain(cylinders).map(|rect| rect.upright()).reduce(none, around);
+    let (low, high) = rects.map(|rect| rect.upright()).reduce(none, around);
     let mut bounds = PixelBox { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY };
     if low.cmple(high).all() {
         let px = |x: f32, y: f32| {

@@ -12,16 +12,20 @@ use super::distance::{least_on_way, nearest_on_way};
 use super::frame::{FrameConstants, ground_light};
 use super::hierarchy::Hierarchy;
 use super::solids::{Primitive, Solids};
+use super::standings::{Standing, Standings};
 use crate::math::{Aabb, whole};
 use crate::scene::Scene;
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
+use std::sync::Arc;
 
-/// The distance field of a scene, world space.
+/// The distance field of a scene, world space, or that of a block in its own.
 #[derive(Debug)]
 pub struct Field {
     solids: Solids,
     hierarchy: Hierarchy,
+    /// In place of primitives of its own, those of blocks that are placed many times.
+    copies: Standings,
 }
 
 /// Parts of the way past a torus that are searched each on its own: through a ring it comes near the tube twice.
@@ -49,8 +53,27 @@ impl Field {
     #[must_use]
     pub fn new(scene: &Scene) -> Field {
         let solids = Solids::new(scene, Affine3A::IDENTITY);
+        Field::of_solids(solids)
+    }
+
+    /// The field of a block in its own space.
+    #[must_use]
+    pub fn of_block(scene: &Scene, block: usize) -> Field {
+        Field::of_solids(Solids::of_block(scene, block))
+    }
+
+    /// The field of a scene, asked of its blocks' fields (numbered as the blocks are) where they are placed: the same as [`Field::new`]'s
+    /// within rounding, in the memory of one copy. [`Field::solids`] and [`Field::hierarchy`] are empty.
+    #[must_use]
+    pub fn of_copies(scene: &Scene, blocks: &[Arc<Field>]) -> Field {
+        let see_through = blocks.iter().any(|field| field.solids.see_through);
+        let solids = Solids { see_through, ..Solids::default() };
+        Field { copies: Standings::new(scene, blocks), ..Field::of_solids(solids) }
+    }
+
+    fn of_solids(solids: Solids) -> Field {
         let hierarchy = Hierarchy::new(&solids.bounds());
-        Field { solids, hierarchy }
+        Field { solids, hierarchy, copies: Standings::default() }
     }
 
     /// The primitives, world space.
@@ -65,8 +88,20 @@ impl Field {
         &self.hierarchy
     }
 
+    /// The field that has primitive `index`, its index there, and the space of that field.
+    fn home(&self, index: usize) -> (&Field, usize, Affine3A) {
+        match self.copies.of(index) {
+            Some((standing, own)) => (&standing.field, own, standing.block_from_world),
+            None => (self, index, Affine3A::IDENTITY),
+        }
+    }
+
     /// The distance of primitive `index`.
     fn distance(&self, index: usize, p: Vec3) -> f32 {
+        if !self.copies.is_empty() {
+            let (field, own, block_from_world) = self.home(index);
+            return field.distance(own, block_from_world.transform_point3(p));
+        }
         match self.solids.primitive(index) {
             Primitive::Sphere(i) => sphere_distance(p, &self.solids.spheres[i]),
             Primitive::Cylinder(i) => cylinder_distance(p, &self.solids.cylinders[i]),
@@ -112,7 +147,11 @@ impl Field {
 
     /// The opacity of a primitive; costs nothing where all are opaque.
     fn opacity(&self, index: usize) -> u8 {
-        if self.solids.see_through { self.solids.opacity(index) } else { u8::MAX }
+        if !self.solids.see_through {
+            return u8::MAX;
+        }
+        let (field, own, _) = self.home(index);
+        field.solids.opacity(own)
     }
 
     /// The ball around a slow one.
@@ -154,6 +193,25 @@ impl Field {
     /// The smallest of what `of` makes of the primitives' distances, and the primitive, if it is less than what is known; it must not make
     /// less of them, nor of what is nearer than that more.
     fn nearest(&self, p: Vec3, known: (f32, Option<u32>), of: impl Fn(usize, f32) -> f32) -> (f32, Option<u32>) {
+        if self.copies.is_empty() {
+            return self.nearest_own(p, known, of);
+        }
+        let mut best = known;
+        self.copies.hierarchy.visit(
+            &mut best,
+            |best, b: &Aabb| Some(b.distance(p)).filter(|&d| d < best.0 || d == 0.0),
+            |best, number| {
+                let Standing { field, block_from_world, first } = &self.copies.standings[number as usize];
+                let of = |own: usize, distance: f32| of(*first as usize + own, distance);
+                let (distance, found) = field.nearest_own(block_from_world.transform_point3(p), (best.0, None), of);
+                *best = found.map_or(*best, |own| (distance, Some(first + own)));
+            },
+        );
+        best
+    }
+
+    /// As [`Field::nearest`], among its own primitives.
+    fn nearest_own(&self, p: Vec3, known: (f32, Option<u32>), of: impl Fn(usize, f32) -> f32) -> (f32, Option<u32>) {
         let mut best = known;
         self.hierarchy.visit(
             &mut best,
@@ -198,27 +256,45 @@ impl Field {
         let low = Vec3::new(frame.bounds_min[0], frame.bounds_min[1], frame.bounds_min[2]);
         let high = Vec3::new(frame.bounds_max[0], frame.bounds_max[1], frame.bounds_max[2]);
         let start = 1e-3 * (high - low).length();
-        let light_past = |i: usize| {
-            let (t, distance) = self.least_on_way(i, p, to_light, start);
-            dimmed_way((sharpness * distance / t).max(0.0), self.opacity(i))
-        };
+        let way = Way { p, to_light, start, sharpness, slack };
         let mut darkest = (1.0f32, None);
         if let Some(near) = *near {
-            darkest = (light_past(near as usize).min(1.0), Some(near));
+            let (field, own, block_from_world) = self.home(near as usize);
+            darkest = (field.light_past(&way.moved(&block_from_world), own).min(1.0), Some(near));
         }
+        if self.copies.is_empty() {
+            self.darken(&way, &mut darkest);
+        } else {
+            self.copies.hierarchy.visit(
+                &mut darkest,
+                |&(visible, _), b: &Aabb| way.may_darken(b, visible),
+                |darkest, number| {
+                    let Standing { field, block_from_world, first } = &self.copies.standings[number as usize];
+                    let mut own = (darkest.0, None);
+                    field.darken(&way.moved(block_from_world), &mut own);
+                    *darkest = own.1.map_or(*darkest, |found: u32| (own.0, Some(first + found)));
+                },
+            );
+        }
+        let (visible, found) = darkest;
+        *near = found.or(*near);
+        visible * visible * (3.0 - 2.0 * visible)
+    }
+
+    /// The light that one of its own primitives lets through on the way to the light.
+    #[inline(always)]
+    fn light_past(&self, way: &Way, index: usize) -> f32 {
+        let (t, distance) = self.least_on_way(index, way.p, way.to_light, way.start);
+        let opacity = if self.solids.see_through { self.solids.opacity(index) } else { u8::MAX };
+        dimmed_way((way.sharpness * distance / t).max(0.0), opacity)
+    }
+
+    /// The least light that its own primitives let through on the way to the light, and the primitive, if it is less than what is known.
+    fn darken(&self, way: &Way, darkest: &mut (f32, Option<u32>)) {
+        let Way { p, to_light, start, sharpness, slack } = *way;
         self.hierarchy.visit(
-            &mut darkest,
-            |&(visible, _), b: &Aabb| {
-                // Nothing in the ball around the box is nearer to the way than this, nor farther along it.
-                let center = (b.min + b.max) * 0.5 - p;
-                let radius = (b.max - b.min).length() * 0.5;
-                let t = center.dot(to_light);
-                let beside = (center - to_light * t).length() - radius;
-                let farthest = t + radius;
-                // What is dark cannot get darker.
-                let visible = visible - slack;
-                (visible > 0.0 && farthest > 0.0 && sharpness * beside < visible * farthest).then_some(beside)
-            },
+            darkest,
+            |&(visible, _), b: &Aabb| way.may_darken(b, visible),
             |darkest, index| {
                 let i = index as usize;
                 if self.is_slow(i) {
@@ -229,15 +305,12 @@ impl Field {
                         return;
                     }
                 }
-                let light = light_past(i);
+                let light = self.light_past(way, i);
                 if light < darkest.0 {
                     *darkest = (light, Some(index));
                 }
             },
         );
-        let (visible, found) = darkest;
-        *near = found.or(*near);
-        visible * visible * (3.0 - 2.0 * visible)
     }
 
     /// How much of the sky a point of the ground sees, 0–1: by how much the field above it falls short of the height.
@@ -296,7 +369,7 @@ impl Field {
         let grid = frame.ground_grid();
         let [width, height] = grid.size;
         let mut texels = vec![[1.0f32; 2]; width as usize * height as usize];
-        if !self.solids.is_empty() && frame.has_ground() {
+        if !(self.solids.is_empty() && self.copies.is_empty()) && frame.has_ground() {
             let step = 1.0 / grid.texels_per_angstrom;
             texels.par_chunks_mut(NEIGHBOURS).enumerate().for_each(|(run, texels)| {
                 let mut nearby = Nearby::default();
@@ -308,6 +381,41 @@ impl Field {
             });
         }
         GroundMap { size: grid.size, texels }
+    }
+}
+
+/// A way from a point to the light.
+#[derive(Debug, Clone, Copy)]
+struct Way {
+    p: Vec3,
+    to_light: Vec3,
+    /// Where it begins.
+    start: f32,
+    /// Of the penumbra.
+    sharpness: f32,
+    /// By how much the least light may be missed.
+    slack: f32,
+}
+
+impl Way {
+    /// The same way in another space.
+    fn moved(&self, space_from_world: &Affine3A) -> Way {
+        let p = space_from_world.transform_point3(self.p);
+        Way { p, to_light: space_from_world.transform_vector3(self.to_light), ..*self }
+    }
+
+    /// Whether what is in a box may leave less than so much light, and how near to the way it may be.
+    #[inline(always)]
+    fn may_darken(&self, b: &Aabb, visible: f32) -> Option<f32> {
+        // Nothing in the ball around the box is nearer to the way than this, nor farther along it.
+        let center = (b.min + b.max) * 0.5 - self.p;
+        let radius = (b.max - b.min).length() * 0.5;
+        let t = center.dot(self.to_light);
+        let beside = (center - self.to_light * t).length() - radius;
+        let farthest = t + radius;
+        // What is dark cannot get darker.
+        let visible = visible - self.slack;
+        (visible > 0.0 && farthest > 0.0 && self.sharpness * beside < visible * farthest).then_some(beside)
     }
 }
 

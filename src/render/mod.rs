@@ -22,6 +22,7 @@ pub mod select;
 pub mod settings;
 pub mod sky;
 pub mod solids;
+mod standings;
 #[cfg(test)]
 mod test_shapes;
 #[cfg(test)]

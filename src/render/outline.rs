@@ -89,7 +89,14 @@ impl Outline {
     #[inline]
     #[must_use]
     pub fn behind(&self, solids: &Solids, index: usize) -> f32 {
-        self.behind * radius_of(solids, index)
+        self.behind_radius(radius_of(solids, index))
+    }
+
+    /// The same of a ball, stick or ring with this radius.
+    #[inline]
+    #[must_use]
+    pub fn behind_radius(&self, radius: f32) -> f32 {
+        self.behind * radius
     }
 
     /// The box of primitive `index` and its line.

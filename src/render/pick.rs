@@ -9,7 +9,7 @@ use super::cpu::intersect::primitive_t;
 use super::hierarchy::Hierarchy;
 use super::solids::Solids;
 use crate::math::Aabb;
-use crate::scene::{Placement, Ray, Scene};
+use crate::scene::{Ray, Scene};
 use glam::{Affine3A, Vec3};
 
 /// Answers what is seen along a ray.
@@ -51,9 +51,7 @@ impl Picker {
     #[must_use]
     pub fn new(scene: &Scene) -> Picker {
         let own = |block: usize| {
-            let mut alone = scene.clone();
-            alone.placements = vec![Placement { block, world_from_block: Affine3A::IDENTITY, first_id: 0 }];
-            let solids = Solids::new(&alone, Affine3A::IDENTITY);
+            let solids = Solids::of_block(scene, block);
             let hierarchy = Hierarchy::new(&solids.bounds());
             Own { solids, hierarchy }
         };
@@ -67,7 +65,7 @@ impl Picker {
                     block_from_world: world_from_block.inverse(),
                     first_id: placement.first_id,
                 };
-                Some((placed, moved(bounds, &world_from_block)))
+                Some((placed, bounds.moved(&world_from_block)))
             })
             .unzip();
         let hierarchy = Hierarchy::new(&boxes);
@@ -112,18 +110,6 @@ impl Picker {
         let (depth, id) = (best.0, best.1?);
         Some(Hit { id, depth, point: ray.origin + ray.direction * depth })
     }
-}
-
-/// A box around a box that was moved.
-fn moved(bounds: &Aabb, to: &Affine3A) -> Aabb {
-    let (middle, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
-    let middle = to.transform_point3(middle);
-    let along = |axis: glam::Vec3A, length: f32| Vec3::from(axis.abs()) * length;
-    let matrix = &to.matrix3;
-    let reach = along(matrix.x_axis, half.x) + along(matrix.y_axis, half.y) + along(matrix.z_axis, half.z);
-    // Rounding must not cut what lies on its faces.
-    let reach = reach + (middle.abs() + reach) * 1e-5;
-    Aabb { min: middle - reach, max: middle + reach }
 }
 
 #[cfg(test)]

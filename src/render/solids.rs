@@ -306,8 +306,8 @@ pub struct Solids {
 /// Whether any primitive of a scene is see-through.
 #[must_use]
 pub fn is_see_through(scene: &Scene) -> bool {
-    scene.placements.iter().any(|placement| {
-        let block = &scene.blocks[placement.block];
+    let is_placed = |block: usize| scene.placements.iter().any(|placement| placement.block == block);
+    scene.blocks.iter().enumerate().filter(|(number, _)| is_placed(*number)).any(|(_, block)| {
         let opacities = (block.spheres.iter().map(|s| s.color.a))
             .chain(block.cylinders.iter().map(|c| c.color_a.a))
             .chain(block.cones.iter().map(|c| c.color.a))
@@ -333,10 +333,18 @@ impl Solids {
         solids
     }
 
-    /// All cones and triangles of a scene of which nothing is see-through.
+    /// All primitives of a block, in its own space; ids are those of its first copy if that began with 0.
     #[must_use]
-    pub fn others(scene: &Scene, space_from_world: Affine3A) -> Solids {
-        let mut solids = Solids::default();
+    pub fn of_block(scene: &Scene, block: usize) -> Solids {
+        let mut alone = scene.clone();
+        alone.placements = vec![Placement { block, world_from_block: Affine3A::IDENTITY, first_id: 0 }];
+        Solids::new(&alone, Affine3A::IDENTITY)
+    }
+
+    /// All cones and triangles of a scene of which some may be `see_through`.
+    #[must_use]
+    pub fn others(scene: &Scene, space_from_world: Affine3A, see_through: bool) -> Solids {
+        let mut solids = Solids { see_through, ..Solids::default() };
         for placement in &scene.placements {
             let space_from_block = space_from_world * placement.world_from_block;
             solids.add_cones(scene, placement, space_from_block);
@@ -359,6 +367,54 @@ impl Solids {
         self.cylinder_looks.extend(sticks.iter().map(|(_, looks)| *looks));
     }
 
+    /// Adds a ball of a placement with this first id.
+    pub fn push_sphere(&mut self, instance: &SphereInstance, space_from_block: &Affine3A, first_id: u32) {
+        self.spheres.push(Sphere::new(instance, space_from_block));
+        self.sphere_looks.push((instance.color, first_id.saturating_add(instance.id)));
+    }
+
+    /// Adds a stick, if it has an extent; whether it has.
+    pub fn push_cylinder(&mut self, instance: &CylinderInstance, space_from_block: &Affine3A, first_id: u32) -> bool {
+        let cylinder = Cylinder::new(instance, space_from_block);
+        self.cylinders.extend(cylinder);
+        let looks = (instance.color_a, instance.color_b, first_id.saturating_add(instance.id));
+        self.cylinder_looks.extend(cylinder.map(|_| looks));
+        cylinder.is_some()
+    }
+
+    /// Adds a ring, if it has an extent; whether it has.
+    pub fn push_torus(&mut self, instance: &TorusInstance, space_from_block: &Affine3A, first_id: u32) -> bool {
+        let torus = Torus::new(instance, space_from_block);
+        self.tori.extend(torus);
+        self.torus_looks.extend(torus.map(|_| (instance.color, first_id.saturating_add(instance.id))));
+        torus.is_some()
+    }
+
+    /// Adds a cone or triangle of other solids.
+    pub fn push_other(&mut self, of: &Solids, index: usize) {
+        match of.primitive(index) {
+            Primitive::Cone(i) => {
+                self.cones.push(of.cones[i]);
+                self.cone_looks.push(of.cone_looks[i]);
+            }
+            Primitive::Triangle(i) => {
+                self.triangles.push(of.triangles[i]);
+                self.triangle_looks.push(of.triangle_looks[i]);
+            }
+            Primitive::Sphere(_) | Primitive::Cylinder(_) | Primitive::Torus(_) => {}
+        }
+    }
+
+    /// Takes all balls, sticks and rings away.
+    pub fn clear_simple(&mut self) {
+        self.spheres.clear();
+        self.sphere_looks.clear();
+        self.cylinders.clear();
+        self.cylinder_looks.clear();
+        self.tori.clear();
+        self.torus_looks.clear();
+    }
+
     fn add_cones(&mut self, scene: &Scene, placement: &Placement, space_from_block: Affine3A) {
         let id = |local: u32| placement.first_id.saturating_add(local);
         for instance in &scene.blocks[placement.block].cones {
@@ -370,12 +426,8 @@ impl Solids {
     }
 
     fn add_tori(&mut self, scene: &Scene, placement: &Placement, space_from_block: Affine3A) {
-        let id = |local: u32| placement.first_id.saturating_add(local);
         for instance in &scene.blocks[placement.block].tori {
-            if let Some(torus) = Torus::new(instance, &space_from_block) {
-                self.tori.push(torus);
-                self.torus_looks.push((instance.color, id(instance.id)));
-            }
+            self.push_torus(instance, &space_from_block, placement.first_id);
         }
     }
 

@@ -164,7 +164,7 @@ impl Framing {
     }
 
     /// Primitive `index`, with its line where there are lines; none for tori, which are bounded in pieces.
-    fn primitive(&self, solids: &Solids, index: usize, outline: Option<&Outline>) -> Option<Candidate> {
+    pub(super) fn primitive(&self, solids: &Solids, index: usize, outline: Option<&Outline>) -> Option<Candidate> {
         let nearest_point = |points: &[(Vec3, f32)]| {
             points.iter().fold(f32::INFINITY, |least, (center, radius)| least.min(-center.z - radius))
         };

@@ -14,9 +14,9 @@ use crate::render::tubes::{Bound, Span, Tubes};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Balls and sticks in view space; of a short cluster the last one stands in all further lanes.
+/// Balls and sticks in view space, or in that of their block; of a short cluster the last one stands in all further lanes.
 #[derive(Debug)]
-struct Cluster {
+pub(super) struct Cluster {
     middle: [Lanes; 3],
     /// From the middle to an end of the axis; zero for a ball.
     half: [Lanes; 3],
@@ -41,7 +41,7 @@ pub(super) struct Sight {
 }
 
 /// A cluster as it looks along a direction.
-struct Seen {
+pub(super) struct Seen {
     middle: [Lanes; 3],
     half: [Lanes; 3],
     /// One over the squared length of `half` in the plane.
@@ -79,7 +79,7 @@ impl Order {
     /// Of all primitives.
     pub(super) fn new(bodies: &[Body]) -> Order {
         let (mut simple, others): (Vec<Body>, Vec<Body>) = bodies.iter().partition(|body| body.radius >= 0.0);
-        gather(&mut simple);
+        gather(&mut simple, LANES);
         let indices = |bodies: Vec<Body>| bodies.iter().map(|body| body.index).collect();
         Order { simple: indices(simple), others: indices(others) }
     }
@@ -90,9 +90,9 @@ impl Order {
     }
 }
 
-/// Puts neighbours next to one another: halves the members across their longest extent, at a whole number of clusters.
-fn gather(members: &mut [Body]) {
-    if members.len() <= LANES {
+/// Puts neighbours next to one another: halves the members across their longest extent, at a whole number of clusters of so many.
+pub(super) fn gather(members: &mut [Body], cluster: usize) {
+    if members.len() <= cluster {
         return;
     }
     let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -100,20 +100,20 @@ fn gather(members: &mut [Body]) {
         (low, high) = (low.min(body.middle), high.max(body.middle));
     }
     let axis = (high - low).max_position();
-    let half = members.len().div_ceil(LANES) / 2 * LANES;
+    let half = members.len().div_ceil(cluster) / 2 * cluster;
     members.select_nth_unstable_by(half, |a, b| a.middle[axis].total_cmp(&b.middle[axis]).then(a.index.cmp(&b.index)));
     let (a, b) = members.split_at_mut(half);
     if half > 4096 {
-        rayon::join(|| gather(a), || gather(b));
+        rayon::join(|| gather(a, cluster), || gather(b, cluster));
     } else {
-        gather(a);
-        gather(b);
+        gather(a, cluster);
+        gather(b, cluster);
     }
 }
 
 impl Cluster {
     /// Of up to [`LANES`].
-    fn new(members: &[Body]) -> Cluster {
+    pub(super) fn new(members: &[Body]) -> Cluster {
         let mut cluster = Cluster { middle: [[0.0; LANES]; 3], half: [[0.0; LANES]; 3], radius: [0.0; LANES] };
         for lane in 0..LANES {
             let body = &members[lane.min(members.len() - 1)];
@@ -128,7 +128,7 @@ impl Cluster {
 
     /// How it looks along a direction.
     #[inline(always)]
-    fn seen(&self, axes: &Axes) -> Seen {
+    pub(super) fn seen(&self, axes: &Axes) -> Seen {
         let mut seen = Seen {
             middle: [[0.0; LANES]; 3],
             half: [[0.0; LANES]; 3],
@@ -175,6 +175,18 @@ impl Cluster {
 }
 
 impl Seen {
+    /// Which of the lanes `alive` it leaves, as bits.
+    #[inline(always)]
+    pub(super) fn leave(&self, at: &Starts, alive: u32) -> u32 {
+        let (mut asking, mut hidden) = (alive, 0);
+        while asking != 0 {
+            let lane = asking.trailing_zeros() as usize % LANES;
+            asking &= asking - 1;
+            hidden |= u32::from(self.hides(at.x[lane], at.y[lane], at.height[lane])) << lane;
+        }
+        alive & !hidden
+    }
+
     /// Whether any of them hides the light from a point.
     #[inline(always)]
     fn hides(&self, x: f32, y: f32, height: f32) -> bool {
@@ -199,9 +211,14 @@ impl Sight {
         super::simd::widest(Spans { clusters, axes, spans: &mut spans });
         let three = [axes.right, axes.up, axes.toward];
         spans.extend(clusters.others.iter().map(|(_, bound)| bound.span(axes.center, three)));
+        Sight::of_spans(&spans, three)
+    }
+
+    /// Of what has these spans along `right`, `up` and `toward`.
+    pub(super) fn of_spans(spans: &[Span], three: [Vec3; 3]) -> Sight {
         let sizes = spans.iter().map(|span| f64::from(span.high[0] - span.low[0] + span.high[1] - span.low[1]));
         let mean = 0.5 * sizes.sum::<f64>() / spans.len().max(1) as f64;
-        let tubes = Tubes::of_spans(&spans, (WIDTH * mean as f32).max(1e-3), three);
+        let tubes = Tubes::of_spans(spans, (WIDTH * mean as f32).max(1e-3), three);
         let boxes: [fn(&Span) -> f32; 5] =
             [|span| span.low[0], |span| span.low[1], |span| span.high[0], |span| span.high[1], |span| span.top];
         let boxes = boxes.map(|part| {
@@ -228,53 +245,29 @@ impl Sight {
         free: &mut Mask,
         exactly: impl Fn(u32, &mut Mask),
     ) {
-        // The box around the points, and their lowest.
-        let mut around = [[f32::INFINITY; LANES]; 5];
-        for lane in 0..LANES {
-            let (x, y, height) = (at.x[lane], at.y[lane], at.height[lane]);
-            for (part, value) in [x, y, -x, -y, height].into_iter().enumerate() {
-                around[part][lane] = if free[lane] != 0 { value } else { f32::INFINITY };
-            }
-        }
-        // Not by `map`: what is passed as a function is not inlined, and so no vector code.
-        let (left, below, lowest) = (low_of(&around[0]), low_of(&around[1]), low_of(&around[4]));
-        let (right, above) = (low_of(&around[2]), low_of(&around[3]));
+        self.walk_boxes(tube, at, free, &AskClusters { clusters, axes, at, exactly });
+    }
+
+    /// Clears the lanes of `free` that are hidden by what lies in a tube, above some of the points and near to them.
+    #[inline(always)]
+    pub(super) fn walk_boxes(&self, tube: u32, at: &Starts, free: &mut Mask, asked: &impl Asked) {
+        let around = Around::new(at, free);
         let Some((&first, &end)) = self.tubes.first.get(tube as usize).zip(self.tubes.first.get(tube as usize + 1))
         else {
             return;
         };
         let mut alive = bits(|lane| free[lane] != 0);
         for start in (first..end).step_by(LANES) {
-            let Some([low_x, low_y, high_x, high_y, top]) = self.boxes(start as usize) else { return };
-            if top[0] <= lowest {
+            let Some(boxes) = self.boxes(start as usize) else { return };
+            if boxes[4][0] <= around.lowest {
                 break; // neither this one nor those after it reach up to the points
             }
             let count = end - start;
-            let mut near = bits(|lane| {
-                (low_x[lane] <= -right)
-                    & (high_x[lane] >= left)
-                    & (low_y[lane] <= -above)
-                    & (high_y[lane] >= below)
-                    & (top[lane] > lowest)
-            });
-            near &= if count < LANES as u32 { (1 << count) - 1 } else { u32::MAX };
+            let mut near = around.near(boxes) & if count < LANES as u32 { (1 << count) - 1 } else { u32::MAX };
             while near != 0 {
                 let Some(&index) = self.tubes.list.get(start as usize + near.trailing_zeros() as usize) else { return };
                 near &= near - 1;
-                if let Some(cluster) = clusters.simple.get(index as usize) {
-                    let seen = cluster.seen(axes);
-                    let (mut asking, mut hidden) = (alive, 0);
-                    while asking != 0 {
-                        let lane = asking.trailing_zeros() as usize % LANES;
-                        asking &= asking - 1;
-                        hidden |= u32::from(seen.hides(at.x[lane], at.y[lane], at.height[lane])) << lane;
-                    }
-                    alive &= !hidden;
-                } else if let Some(&(other, _)) = clusters.others.get(index as usize - clusters.simple.len()) {
-                    *free = lanes_of(alive);
-                    exactly(other, free);
-                    alive = bits(|lane| free[lane] != 0);
-                }
+                alive = asked.leave(index, &around, alive);
                 if alive == 0 {
                     *free = [0; LANES];
                     return;
@@ -292,15 +285,81 @@ impl Sight {
     }
 }
 
+/// What is in boxes. (A trait, not a closure: it must be inlined, to become the widest vector code.)
+pub(super) trait Asked {
+    /// Which of the lanes `alive`, as bits, what has this number leaves.
+    fn leave(&self, number: u32, around: &Around, alive: u32) -> u32;
+}
+
+/// Clusters of a view, and `exactly` for what is asked one by one.
+struct AskClusters<'a, E> {
+    clusters: &'a Clusters,
+    axes: &'a Axes,
+    at: &'a Starts,
+    exactly: E,
+}
+
+impl<E: Fn(u32, &mut Mask)> Asked for AskClusters<'_, E> {
+    #[inline(always)]
+    fn leave(&self, number: u32, _around: &Around, alive: u32) -> u32 {
+        let Clusters { simple, others } = self.clusters;
+        if let Some(cluster) = simple.get(number as usize) {
+            return cluster.seen(self.axes).leave(self.at, alive);
+        }
+        let Some(&(other, _)) = others.get(number as usize - simple.len()) else { return alive };
+        let mut free = lanes_of(alive);
+        (self.exactly)(other, &mut free);
+        bits(|lane| free[lane] != 0)
+    }
+}
+
+/// The box around the points that ask, across the direction, and their lowest.
+pub(super) struct Around {
+    left: f32,
+    right: f32,
+    below: f32,
+    above: f32,
+    lowest: f32,
+}
+
+impl Around {
+    #[inline(always)]
+    fn new(at: &Starts, free: &Mask) -> Around {
+        let mut around = [[f32::INFINITY; LANES]; 5];
+        for lane in 0..LANES {
+            let (x, y, height) = (at.x[lane], at.y[lane], at.height[lane]);
+            for (part, value) in [x, y, -x, -y, height].into_iter().enumerate() {
+                around[part][lane] = if free[lane] != 0 { value } else { f32::INFINITY };
+            }
+        }
+        // Not by `map`: what is passed as a function is not inlined, and so no vector code.
+        let (left, below, lowest) = (low_of(&around[0]), low_of(&around[1]), low_of(&around[4]));
+        let (right, above) = (-low_of(&around[2]), -low_of(&around[3]));
+        Around { left, right, below, above, lowest }
+    }
+
+    /// Bits of the boxes (low and high along `right` and `up`, and top) that reach over any of the points.
+    #[inline(always)]
+    pub(super) fn near(&self, [low_x, low_y, high_x, high_y, top]: [&Lanes; 5]) -> u32 {
+        bits(|lane| {
+            (low_x[lane] <= self.right)
+                & (high_x[lane] >= self.left)
+                & (low_y[lane] <= self.above)
+                & (high_y[lane] >= self.below)
+                & (top[lane] > self.lowest)
+        })
+    }
+}
+
 /// The lanes whose bits are set.
 #[inline(always)]
-fn lanes_of(bits: u32) -> Mask {
+pub(super) fn lanes_of(bits: u32) -> Mask {
     std::array::from_fn(|lane| if bits >> lane & 1 != 0 { u32::MAX } else { 0 })
 }
 
 /// A bit for each lane.
 #[inline(always)]
-fn bits(is_set: impl Fn(usize) -> bool) -> u32 {
+pub(super) fn bits(is_set: impl Fn(usize) -> bool) -> u32 {
     let mut bits = 0;
     for lane in 0..LANES {
         bits |= u32::from(is_set(lane)) << lane;

@@ -3,10 +3,14 @@
 //! [`mod@reference`] casts one ray after the other over a hierarchy, on one thread. [`tiles`] draws the same picture
 //! tile by tile on all cores with vector instructions: primitives are binned to tiles by their exact bounds, and each tile
 //! keeps a small depth buffer. Frames that ask for no light from afar find them pack by pack, as they are needed.
+//!
+//! Large scenes of copies (assemblies, supercells) are never spread out, whatever is asked: what is seen comes from packs, light from afar
+//! from `bunches`, the ground's light from the fields of the blocks ([`Field::of_copies`]), all made once for a block.
 
 mod backdrop;
 mod behind;
 mod binning;
+mod bunches;
 pub mod casters;
 mod clusters;
 mod facts;
@@ -31,15 +35,28 @@ use super::frame::FrameConstants;
 use super::{GBuffer, Image, Renderer, Settings, SkyVisibility, View, overlay, sky};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
+use bunches::Copies;
 use packs::Packs;
 use reach::Lights;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use tiles::Known;
+
+/// Placements of a scene are spread out to primitives of their own where these are no more than so many. Chosen: 20 MB, and pictures of all
+/// but the largest scenes are those of the reference to the byte.
+const MOST_SPREAD: usize = 100_000;
 
 /// Draws with all cores.
-#[derive(Default)]
 pub struct CpuRenderer {
     scene: Option<Arc<Scene>>,
+    /// Whether the loaded scene is drawn from its blocks, without spreading out its placements.
+    of_copies: bool,
+    /// Of such a scene the distance fields of the blocks, made when light or ground first need them.
+    block_fields: Vec<Arc<Field>>,
+    /// And what light from afar asks.
+    copies: Option<Copies>,
+    /// See [`MOST_SPREAD`].
+    most_spread: usize,
     /// The distance field of the loaded scene, made when a ground first needs it.
     field: Option<Field>,
     /// The last ground maps and the constants they were made with: in motion and at rest they differ in texels.
@@ -52,11 +69,66 @@ pub struct CpuRenderer {
     lights: Lights,
 }
 
+impl Default for CpuRenderer {
+    fn default() -> CpuRenderer {
+        CpuRenderer {
+            scene: None,
+            of_copies: false,
+            block_fields: Vec::new(),
+            copies: None,
+            most_spread: MOST_SPREAD,
+            field: None,
+            ground_maps: [None, None],
+            packs: None,
+            lights: Lights::none(),
+            sky_map: None,
+        }
+    }
+}
+
+/// Whether the placements of a scene have more than so many primitives, and at least twice as many as the blocks.
+fn is_of_copies(scene: &Scene, most_spread: usize) -> bool {
+    let mut stand = vec![0usize; scene.blocks.len()];
+    scene.placements.iter().for_each(|placement| stand[placement.block] += 1);
+    let (mut spread, mut kept) = (0, 0);
+    for (block, &stand) in scene.blocks.iter().zip(&stand) {
+        let simple = block.spheres.len() + block.cylinders.len() + block.tori.len();
+        let count = simple + block.cones.len() + block.triangles.len();
+        (spread, kept) = (spread + stand * count, kept + stand.min(1) * count);
+    }
+    spread > most_spread && spread >= 2 * kept
+}
+
 impl CpuRenderer {
     /// A renderer without a scene.
     #[must_use]
     pub fn new() -> CpuRenderer {
         CpuRenderer::default()
+    }
+
+    /// Makes ready what light from afar and a ground need of the blocks, if the scene is drawn from these.
+    fn find_copies(&mut self, scene: &Scene, asks: bool, has_ground: bool) {
+        if !(self.of_copies && (asks || has_ground)) {
+            return;
+        }
+        if self.block_fields.len() != scene.blocks.len() {
+            let field = |block| Arc::new(Field::of_block(scene, block));
+            self.block_fields = (0..scene.blocks.len()).map(field).collect();
+        }
+        if asks && self.copies.is_none() {
+            self.copies = Some(Copies::new(scene, &self.block_fields));
+        }
+    }
+
+    /// The scene, or an empty one, and what its channels need to know of it.
+    fn known(&mut self, asks: bool) -> (Arc<Scene>, Known<'_>) {
+        let scene = self.scene.clone().unwrap_or_else(|| Arc::new(Scene::from_blocks(Vec::new(), Vec::new())));
+        self.find_copies(&scene, asks, false);
+        if self.of_copies {
+            self.packs.get_or_insert_with(|| Packs::new(&scene));
+        }
+        let known = Known { packs: self.packs.as_ref(), of_copies: self.of_copies, copies: self.copies.as_ref() };
+        (scene, known)
     }
 
     /// The ground map for these constants; found anew only if something it depends on has changed.
@@ -67,7 +139,10 @@ impl CpuRenderer {
         let place = &mut self.ground_maps[usize::from(sky_frame.is_some())];
         let kept = place.take().filter(|(old, _)| old.same_ground_map(frame));
         let (_, map) = place.insert(kept.unwrap_or_else(|| {
-            let field = self.field.get_or_insert_with(|| Field::new(scene));
+            let field = self.field.get_or_insert_with(|| match self.of_copies {
+                true => Field::of_copies(scene, &self.block_fields),
+                false => Field::new(scene),
+            });
             let Some(sky_frame) = sky_frame else { return (*frame, field.ground_map(frame)) };
             let kept = self.sky_map.take().filter(|(old, _)| old.same_ground_map(&sky_frame));
             let sky = self.sky_map.insert(kept.unwrap_or_else(|| (sky_frame, field.sky_map(&sky_frame))));
@@ -83,6 +158,7 @@ impl CpuRenderer {
         let frame = FrameConstants::new(&scene, view, settings);
         // Drawing in motion does not ask, and must not throw away what the picture at rest needs again.
         let asks = settings.ao > 0 || settings.shadow;
+        self.find_copies(&scene, asks, frame.has_ground());
         let is_quick = !asks && settings.samples == 1 && settings.ground_texels < Settings::QUICK_GROUND;
         let sky_frame = is_quick.then(|| frame.lit_from_above(&scene, view, settings));
         let ground_map = self.ground_map(&scene, &frame, sky_frame);
@@ -90,9 +166,13 @@ impl CpuRenderer {
         if asks {
             self.lights.update(&frame, settings);
         }
-        let packs = (!asks).then(|| &*self.packs.get_or_insert_with(|| Packs::new(&scene)));
+        if !asks || self.of_copies {
+            self.packs.get_or_insert_with(|| Packs::new(&scene));
+        }
+        let packs = self.packs.as_ref().filter(|_| !asks || self.of_copies);
+        let known = Known { packs, of_copies: self.of_copies, copies: self.copies.as_ref() };
         let lights = if asks { &mut self.lights } else { &mut none };
-        let mut image = tiles::image(&scene, view, settings, (&ground_map, lights, packs), stop);
+        let mut image = tiles::image(&scene, view, settings, (&ground_map, lights, known), stop);
         if stop.load(Ordering::Relaxed) {
             return None;
         }
@@ -100,7 +180,7 @@ impl CpuRenderer {
         let own_side = view.width.max(view.height).min(overlay::PROBE_SIDE);
         let probe_side = if settings.samples > 1 { overlay::PROBE_SIDE } else { own_side };
         let has_labels = !scene.overlay.labels.is_empty();
-        let probe = has_labels.then(|| tiles::gbuffer(&scene, &overlay::probe_view(view, probe_side)));
+        let probe = has_labels.then(|| tiles::gbuffer(&scene, &overlay::probe_view(view, probe_side), known));
         overlay::write(&mut image, &scene, view, probe.as_ref());
         Some(image)
     }
@@ -120,7 +200,10 @@ impl Renderer for CpuRenderer {
             self.field = None;
             self.lights = Lights::none();
             self.packs = None;
+            self.copies = None;
+            self.block_fields = Vec::new();
             self.ground_maps = [None, None];
+            self.of_copies = is_of_copies(&scene, self.most_spread);
             self.sky_map = None;
         }
         self.scene = Some(scene);
@@ -133,13 +216,17 @@ impl Renderer for CpuRenderer {
     }
 
     fn gbuffer(&mut self, view: &View) -> Result<GBuffer> {
-        let scene = self.scene.clone().unwrap_or_else(|| Arc::new(Scene::from_blocks(Vec::new(), Vec::new())));
-        Ok(tiles::gbuffer(&scene, view))
+        let (scene, known) = self.known(false);
+        Ok(tiles::gbuffer(&scene, view, known))
     }
 
     fn sky_visibility(&mut self, view: &View, directions: u32) -> Result<SkyVisibility> {
-        let scene = self.scene.clone().unwrap_or_else(|| Arc::new(Scene::from_blocks(Vec::new(), Vec::new())));
+        let (scene, known) = self.known(true);
         let directions = sky::directions(directions.min(Settings::MOST_DIRECTIONS));
-        Ok(visibility::sky_visibility(&scene, view, &directions))
+        Ok(visibility::sky_visibility(&scene, view, &directions, known))
     }
 }
+
+#[cfg(test)]
+#[path = "copies_tests.rs"]
+mod tests;

@@ -16,6 +16,7 @@ use super::small::{Queues, Window, draw_balls, draw_sticks};
 use super::source::{Facts, Source};
 use super::tile::{Place, Tile};
 use crate::math::Aabb;
+use crate::render::outline::Outline;
 use crate::render::settings::View;
 use crate::render::solids::{Cylinder, Solids, Sphere, Torus, is_see_through};
 use crate::scene::{Block, CylinderInstance, Scene, SphereInstance, TorusInstance};
@@ -201,6 +202,7 @@ pub(super) struct Placed<'a> {
     pub(super) block: &'a Block,
     packs: &'a BlockPacks,
     pub(super) view_from_block: Affine3A,
+    first_id: u32,
     /// Numbers of its first ball, stick and ring in the scene.
     pub(super) first_sphere: u32,
     pub(super) first_cylinder: u32,
@@ -240,6 +242,8 @@ pub(super) struct Packed<'a> {
     first_torus: u32,
     first_triangle: u32,
     framing: Framing,
+    /// Lines around things.
+    outline: Option<Outline>,
     seen: Vec<Seen>,
     /// Of each tile, where its packs start in `list`.
     first: Vec<u32>,
@@ -250,7 +254,13 @@ pub(super) struct Packed<'a> {
 
 impl<'a> Packed<'a> {
     /// `others` are all cones and triangles of the scene, in view space.
-    pub(super) fn new(scene: &'a Scene, packs: &'a Packs, others: &'a Solids, view: &View, tile: u32) -> Packed<'a> {
+    pub(super) fn new(
+        scene: &'a Scene,
+        packs: &'a Packs,
+        others: &'a Solids,
+        outline: Option<&Outline>,
+        (view, tile): (&View, u32),
+    ) -> Packed<'a> {
         let framing = Framing::new(view);
         let mut placed = Vec::with_capacity(scene.placements.len());
         let (mut spheres, mut cylinders, mut tori) = (0u32, 0u32, 0u32);
@@ -261,6 +271,7 @@ impl<'a> Packed<'a> {
                 block,
                 packs: &packs.blocks[placement.block],
                 view_from_block: view_from_world * placement.world_from_block,
+                first_id: placement.first_id,
                 first_sphere: spheres,
                 first_cylinder: cylinders,
                 first_torus: tori,
@@ -280,14 +291,19 @@ impl<'a> Packed<'a> {
         let seen = placed.par_iter().enumerate().flat_map(|(placement, placed)| {
             let packs = placed.packs.packs.par_iter().enumerate().with_min_len(4096);
             packs.filter_map(move |(number, pack)| {
-                let half = (placed.view_from_block.matrix3.abs() * Vec3A::from(pack.half)).into();
-                let (nearest, pixels) = framing.boxed(placed.view_from_block.transform_point3(pack.center), half)?;
+                let center = placed.view_from_block.transform_point3(pack.center);
+                let mut half: Vec3 = (placed.view_from_block.matrix3.abs() * Vec3A::from(pack.half)).into();
+                if let Some(outline) = outline {
+                    // No radius is greater than half the box's narrowest side, and no line wider than that of the farthest.
+                    half += outline.width(center.with_z(center.z - half.z), pack.half.min_element());
+                }
+                let (nearest, pixels) = framing.boxed(center, half)?;
                 Some(Seen { nearest, pixels, placement: placement as u32, pack: number as u32 })
             })
         });
         let mut seen: Vec<Seen> = seen.collect();
         seen.par_sort_unstable_by(|a, b| a.nearest.total_cmp(&b.nearest));
-        let other_bins = Bins::new(others, None, view, tile);
+        let other_bins = Bins::new(others, outline, view, tile);
         let (first, list) = share_out(tile, other_bins.tiles, seen.iter().map(|pack| pack.pixels));
         Packed {
             placed,
@@ -296,6 +312,7 @@ impl<'a> Packed<'a> {
             first_torus,
             first_triangle,
             framing,
+            outline: outline.copied(),
             seen,
             first,
             list,
@@ -353,11 +370,22 @@ impl<'a> Packed<'a> {
         self.other_bins.of_tile(number, candidates);
         for candidate in candidates.iter_mut() {
             let number = candidate.index;
-            let is_cone = (number as usize) < self.others.cones.len();
-            let before = if is_cone { self.first_cone } else { self.first_triangle - self.others.cones.len() as u32 };
-            candidate.index += before;
+            candidate.index = self.of_scene(number);
             tile.draw_other::<PARALLEL>(place, (self.others, number), candidate);
         }
+    }
+
+    /// What a cone or triangle of the others is in the scene.
+    #[inline(always)]
+    fn of_scene(&self, number: u32) -> u32 {
+        let is_cone = (number as usize) < self.others.cones.len();
+        let before = if is_cone { self.first_cone } else { self.first_triangle - self.others.cones.len() as u32 };
+        number + before
+    }
+
+    /// Whether its members are more than opaque primitives without lines.
+    pub(super) fn is_any(&self) -> bool {
+        self.outline.is_some() || self.others.see_through
     }
 
     /// Draws some rings of a block in a tile.
@@ -471,24 +499,190 @@ impl Facts for Packed<'_> {
     }
 
     fn fact(&self, index: u32) -> Fact {
+        match self.member(index) {
+            Some((placed, Member::Sphere(instance))) => {
+                Fact::of_sphere(&Sphere::new(instance, &placed.view_from_block), instance.color)
+            }
+            Some((placed, Member::Cylinder(instance))) => {
+                let stick = Cylinder::new(instance, &placed.view_from_block);
+                let colors = [instance.color_a, instance.color_b];
+                stick.map_or(Fact::Other, |stick| Fact::of_cylinder(&stick, colors))
+            }
+            Some((placed, Member::Torus(instance))) => {
+                let torus = Torus::new(instance, &placed.view_from_block);
+                torus.map_or(Fact::Other, |torus| Fact::of_torus(&torus, instance.color))
+            }
+            None => Fact::Other,
+        }
+    }
+
+    fn behind(&self, outline: &Outline, index: u32) -> f32 {
+        match self.member(index) {
+            Some((_, Member::Sphere(instance))) => outline.behind_radius(instance.radius),
+            Some((_, Member::Cylinder(instance))) => outline.behind_radius(instance.radius),
+            Some((_, Member::Torus(instance))) => outline.behind_radius(instance.tube_radius),
+            None => outline.behind(self.others, self.of_shader(index) as usize),
+        }
+    }
+
+    fn alone(&self, index: u32) -> Option<Solids> {
+        let mut alone = Solids { see_through: self.others.see_through, ..Solids::default() };
+        let (placed, member) = match self.member(index) {
+            Some(member) => member,
+            None => {
+                let number = self.of_shader(index) as usize;
+                alone.push_other(self.others, number);
+                return Some(alone);
+            }
+        };
+        let (to_view, first_id) = (&placed.view_from_block, placed.first_id);
+        match member {
+            Member::Sphere(instance) => alone.push_sphere(instance, to_view, first_id),
+            Member::Cylinder(instance) => _ = alone.push_cylinder(instance, to_view, first_id),
+            Member::Torus(instance) => _ = alone.push_torus(instance, to_view, first_id),
+        }
+        Some(alone)
+    }
+}
+
+impl Packed<'_> {
+    /// A ball, stick or ring and where it stands; `None` for all else.
+    #[inline(always)]
+    fn member(&self, index: u32) -> Option<(&Placed<'_>, Member<'_>)> {
         if index < self.first_cylinder {
             let (placed, i) = self.place_of(index, |placed| placed.first_sphere);
-            let instance = &placed.block.spheres[i];
-            return Fact::of_sphere(&Sphere::new(instance, &placed.view_from_block), instance.color);
+            return Some((placed, Member::Sphere(&placed.block.spheres[i])));
         }
         if index < self.first_cone {
             let (placed, i) = self.place_of(index, |placed| placed.first_cylinder);
-            let instance = &placed.block.cylinders[i];
-            let stick = Cylinder::new(instance, &placed.view_from_block);
-            return stick.map_or(Fact::Other, |stick| Fact::of_cylinder(&stick, [instance.color_a, instance.color_b]));
+            return Some((placed, Member::Cylinder(&placed.block.cylinders[i])));
         }
         if (self.first_torus..self.first_triangle).contains(&index) {
             let (placed, i) = self.place_of(index, |placed| placed.first_torus);
-            let instance = &placed.block.tori[i];
-            let torus = Torus::new(instance, &placed.view_from_block);
-            return torus.map_or(Fact::Other, |torus| Fact::of_torus(&torus, instance.color));
+            return Some((placed, Member::Torus(&placed.block.tori[i])));
         }
-        Fact::Other
+        None
+    }
+}
+
+/// Packs whose members have lines or may be see-through: made in view space pack by pack. On their own, to leave the others' code short.
+pub(super) struct Any<'a>(pub(super) Packed<'a>);
+
+impl Any<'_> {
+    #[inline(always)]
+    fn see_as<const PARALLEL: bool>(
+        &self,
+        tile: &mut Tile,
+        candidates: &mut Vec<Candidate>,
+        place: &Place<'_>,
+        number: usize,
+    ) {
+        let Any(packed) = self;
+        let mut solids = Solids { see_through: packed.others.see_through, ..Solids::default() };
+        let list = &packed.list[packed.first[number] as usize..packed.first[number + 1] as usize];
+        for (asked, &seen) in list.iter().enumerate() {
+            let Seen { nearest, pixels, placement, pack } = packed.seen[seen as usize];
+            if asked % 16 == 15 && nearest > tile.farthest() {
+                break; // the rest is behind everything
+            }
+            if tile.hides(place, nearest, pixels) {
+                continue;
+            }
+            let placed = &packed.placed[placement as usize];
+            let pack = &placed.packs.packs[pack as usize];
+            let members = &placed.packs.members[pack.start as usize..];
+            let (spheres, members) = members.split_at(usize::from(pack.spheres));
+            let (cylinders, members) = members.split_at(usize::from(pack.cylinders));
+            let members = [spheres, cylinders, &members[..usize::from(pack.tori)]];
+            self.draw_members::<PARALLEL>((tile, place), placed, &mut solids, members);
+        }
+        packed.other_bins.of_tile(number, candidates);
+        for candidate in candidates.iter_mut() {
+            let number = candidate.index as usize;
+            candidate.index = packed.of_scene(candidate.index);
+            tile.draw_any::<PARALLEL>(place, (packed.others, number), candidate);
+        }
+    }
+
+    /// Draws balls, sticks and rings of a block that have lines or may be see-through; `solids` is room to work in.
+    #[inline(always)]
+    fn draw_members<const PARALLEL: bool>(
+        &self,
+        (tile, place): (&mut Tile, &Place<'_>),
+        placed: &Placed<'_>,
+        solids: &mut Solids,
+        [spheres, cylinders, tori]: [&[u32]; 3],
+    ) {
+        let (block, to_view, first_id) = (placed.block, &placed.view_from_block, placed.first_id);
+        solids.clear_simple();
+        spheres.iter().for_each(|&i| solids.push_sphere(&block.spheres[i as usize], to_view, first_id));
+        let numbers = spheres.iter().map(|i| placed.first_sphere + i);
+        let is_stick = |&&i: &&u32| solids.push_cylinder(&block.cylinders[i as usize], to_view, first_id);
+        let sticks: Vec<u32> = cylinders.iter().filter(is_stick).map(|i| placed.first_cylinder + i).collect();
+        for (number, index) in numbers.chain(sticks).enumerate() {
+            let Some(mut candidate) = self.0.framing.primitive(solids, number, self.0.outline.as_ref()) else {
+                continue;
+            };
+            candidate.index = index;
+            if !tile.hides(place, candidate.nearest, candidate.pixels) {
+                tile.draw_any::<PARALLEL>(place, (solids, number), &candidate);
+            }
+        }
+        for &i in tori {
+            if !solids.push_torus(&block.tori[i as usize], to_view, first_id) {
+                continue;
+            }
+            let number = solids.len() - 1;
+            let Some(torus) = solids.tori.last().map(|torus| self.0.outline.map_or(*torus, |line| line.torus(torus)))
+            else {
+                continue;
+            };
+            for piece in self.0.framing.torus(placed.first_torus + i, torus) {
+                tile.draw_any::<PARALLEL>(place, (solids, number), &piece);
+            }
+        }
+    }
+}
+
+impl Source for Any<'_> {
+    fn is_empty(&self, tile: usize) -> bool {
+        self.0.is_empty(tile)
+    }
+
+    #[inline(always)]
+    fn see(&self, tile: &mut Tile, candidates: &mut Vec<Candidate>, place: &Place<'_>, number: usize) {
+        tile.clear(place);
+        if place.grid.orthographic {
+            self.see_as::<true>(tile, candidates, place, number);
+        } else {
+            self.see_as::<false>(tile, candidates, place, number);
+        }
+    }
+}
+
+impl Facts for Any<'_> {
+    fn of_shader(&self, index: u32) -> u32 {
+        self.0.of_shader(index)
+    }
+
+    fn prefetch(&self, indices: &[u32; LANES]) {
+        self.0.prefetch(indices);
+    }
+
+    fn raw(&self, _: &[u32; LANES], _: &Mask) -> Option<Raw<'_>> {
+        None // lines are not told apart there
+    }
+
+    fn fact(&self, index: u32) -> Fact {
+        self.0.fact(index)
+    }
+
+    fn behind(&self, outline: &Outline, index: u32) -> f32 {
+        self.0.behind(outline, index)
+    }
+
+    fn alone(&self, index: u32) -> Option<Solids> {
+        self.0.alone(index)
     }
 }
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::color::Srgb8;
 use crate::render::cpu::reach::Lights;
-use crate::render::cpu::tiles;
+use crate::render::cpu::tiles::{self, Known};
 use crate::render::field::{Field, GroundMap};
 use crate::render::frame::FrameConstants;
 use crate::render::settings::Settings;
@@ -80,8 +80,10 @@ fn both(scene: &Scene, view: &View, samples: u32) -> [Image; 2] {
     let frame = FrameConstants::new(scene, view, &settings);
     let ground = if frame.has_ground() { Field::new(scene).ground_map(&frame) } else { GroundMap::none() };
     let (packs, go_on) = (Packs::new(scene), AtomicBool::new(false));
-    [Some(&packs), None]
-        .map(|packs| tiles::image(scene, view, &settings, (&ground, &mut Lights::none(), packs), &go_on))
+    [Some(&packs), None].map(|packs| {
+        let known = Known { packs, ..Known::default() };
+        tiles::image(scene, view, &settings, (&ground, &mut Lights::none(), known), &go_on)
+    })
 }
 
 #[test]

@@ -63,7 +63,7 @@ pub(super) fn add(
                 if !touched.iter().any(|row| row[columns.clone()].contains(&true)) {
                     continue;
                 }
-                let samples = gather(shader, place, tile, sample, [row, column]);
+                let samples = gather((shader, source), place, tile, sample, [row, column]);
                 if !any(&samples.seen) {
                     continue;
                 }
@@ -109,7 +109,7 @@ pub(super) fn finish(
                 continue;
             }
             let pixels = if is_touched {
-                let samples = gather(shader, place, tile, 0, [row, column]);
+                let samples = gather((shader, source), place, tile, 0, [row, column]);
                 let ([u, v], seen) = ([samples.u, samples.v], samples.seen);
                 let mut lit = [[0.0; LANES]; 3];
                 if any(&seen) {
@@ -162,7 +162,13 @@ fn centers(place: &Place<'_>, sample: usize, [row, column]: [usize; 2]) -> [Lane
 
 /// One sample of each pixel of a group.
 #[inline(always)]
-fn gather(shader: &Shader<'_>, place: &Place<'_>, tile: &Tile, sample: usize, [row, column]: [usize; 2]) -> Samples {
+fn gather(
+    (shader, source): (&Shader<'_>, &dyn Facts),
+    place: &Place<'_>,
+    tile: &Tile,
+    sample: usize,
+    [row, column]: [usize; 2],
+) -> Samples {
     let blocks = GROUP / place.pass.side as usize;
     let mut samples =
         Samples { u: [0.0; LANES], v: [0.0; LANES], t: [f32::INFINITY; LANES], index: [0; LANES], seen: [0; LANES] };
@@ -177,10 +183,19 @@ fn gather(shader: &Shader<'_>, place: &Place<'_>, tile: &Tile, sample: usize, [r
     let beyond = shader.ground_beyond(place.grid.orthographic, &samples.u, &samples.v);
     for (lane, ground) in beyond.into_iter().enumerate() {
         let t = samples.t[lane];
-        let is_seen = (t < f32::INFINITY) & (t - shader.behind(samples.index[lane]) <= ground);
+        let is_seen = (t < f32::INFINITY) & (t - behind(shader, source, samples.index[lane]) <= ground);
         samples.seen[lane] = if is_seen { u32::MAX } else { 0 };
     }
     samples
+}
+
+/// [`Shader::behind`] of a primitive that the shader may not have.
+#[inline(always)]
+fn behind(shader: &Shader<'_>, source: &dyn Facts, index: u32) -> f32 {
+    match &shader.outlined {
+        Some(outline) if index & RIM != 0 => source.behind(outline, index & !RIM),
+        _ => 0.0,
+    }
 }
 
 /// The surfaces of samples.

@@ -14,6 +14,7 @@ use crate::scene::Ray;
 use glam::{Affine3A, Vec3, Vec4};
 
 /// What shading a sample needs.
+#[derive(Clone, Copy)]
 pub(super) struct Shader<'a> {
     pub(super) frame: &'a FrameConstants,
     pub(super) solids: &'a Solids,
@@ -25,6 +26,14 @@ pub(super) struct Shader<'a> {
 impl<'a> Shader<'a> {
     pub(super) fn new(frame: &'a FrameConstants, solids: &'a Solids, ground_map: &'a GroundMap) -> Shader<'a> {
         Shader { frame, solids, ground_map, outlined: Outline::of(frame), world_from_view: frame.world_from_view() }
+    }
+
+    /// The same shading of other solids.
+    pub(super) fn of<'b>(&self, solids: &'b Solids) -> Shader<'b>
+    where
+        'a: 'b,
+    {
+        Shader { solids, ..*self }
     }
 
     /// Depth at which a ray meets the ground, infinity if it does not.

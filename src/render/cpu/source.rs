@@ -32,6 +32,12 @@ pub(super) trait Facts: Sync {
 
     /// What shading needs of a ball, stick or ring.
     fn fact(&self, index: u32) -> Fact;
+
+    /// How far behind its silhouette the line of a primitive lies.
+    fn behind(&self, outline: &Outline, index: u32) -> f32;
+
+    /// A primitive as the only one of solids; `None` where the shader's solids have all, under the same numbers.
+    fn alone(&self, index: u32) -> Option<Solids>;
 }
 
 /// All primitives, in view space.
@@ -80,5 +86,13 @@ impl Facts for Listed<'_> {
             // Found one by one.
             Primitive::Cone(_) | Primitive::Triangle(_) => Fact::Other,
         }
+    }
+
+    fn behind(&self, outline: &Outline, index: u32) -> f32 {
+        outline.behind(self.solids, index as usize)
+    }
+
+    fn alone(&self, _index: u32) -> Option<Solids> {
+        None
     }
 }

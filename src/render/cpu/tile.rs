@@ -260,17 +260,27 @@ impl Tile {
             if drawn % 16 == 15 && candidate.nearest > self.farthest() {
                 break; // the rest is behind everything
             }
-            let mut mask = [true; LANES];
-            if solids.see_through {
-                let drawn = |sample| solids.is_drawn(candidate.index as usize, sample, place.pass.samples);
-                mask = place.pass.sample.map(drawn);
-            }
             if place.grid.orthographic {
-                self.draw_candidate::<true>((place, solids), candidate, &mask);
+                self.draw_any::<true>(place, (solids, candidate.index as usize), candidate);
             } else {
-                self.draw_candidate::<false>((place, solids), candidate, &mask);
+                self.draw_any::<false>(place, (solids, candidate.index as usize), candidate);
             }
         }
+    }
+
+    /// Draws primitive `number` of `solids` with its line, if there are lines, in the samples in which it is there.
+    #[inline(always)]
+    pub(super) fn draw_any<const PARALLEL: bool>(
+        &mut self,
+        place: &Place<'_>,
+        (solids, number): (&Solids, usize),
+        candidate: &Candidate,
+    ) {
+        let mut mask = [true; LANES];
+        if solids.see_through {
+            mask = place.pass.sample.map(|sample| solids.is_drawn(number, sample, place.pass.samples));
+        }
+        self.draw_candidate::<PARALLEL>(place, (solids, number), candidate, &mask);
     }
 
     /// The farthest depth of the tile.
@@ -373,16 +383,17 @@ impl Tile {
     #[inline(always)]
     fn draw_candidate<const PARALLEL: bool>(
         &mut self,
-        (place, solids): (&Place<'_>, &Solids),
+        place: &Place<'_>,
+        (solids, number): (&Solids, usize),
         candidate: &Candidate,
         mask: &[bool; LANES],
     ) {
         let near = place.near;
-        match solids.primitive(candidate.index as usize) {
+        match solids.primitive(number) {
             Primitive::Sphere(i) => {
                 let of = |solid| Drawn::<_, PARALLEL> { solid, near };
                 let solid = solids.spheres[i];
-                self.draw_lined((place, solids), candidate, mask, |outline| {
+                self.draw_lined(place, (solids, number), candidate, mask, |outline| {
                     of(outline.map_or(solid, |o| o.sphere(&solid)))
                 });
             }
@@ -391,23 +402,23 @@ impl Tile {
                 let grown = |outline: Option<&Outline>| outline.map_or(solid, |outline| outline.cylinder(&solid));
                 if solid.caps == FLAT_CAPS {
                     let of = |outline: Option<&Outline>| Drawn::<_, PARALLEL> { solid: Flat(grown(outline)), near };
-                    self.draw_lined((place, solids), candidate, mask, of);
+                    self.draw_lined(place, (solids, number), candidate, mask, of);
                 } else {
                     let of = |outline: Option<&Outline>| Drawn::<_, PARALLEL> { solid: grown(outline), near };
-                    self.draw_lined((place, solids), candidate, mask, of);
+                    self.draw_lined(place, (solids, number), candidate, mask, of);
                 }
             }
             Primitive::Cone(i) => {
                 let of = |solid| Drawn::<_, PARALLEL> { solid, near };
                 let solid = solids.cones[i];
-                self.draw_lined((place, solids), candidate, mask, |outline| {
+                self.draw_lined(place, (solids, number), candidate, mask, |outline| {
                     of(outline.map_or(solid, |o| o.cone(&solid)))
                 });
             }
             Primitive::Torus(i) => {
                 let of = |solid| Drawn::<_, PARALLEL> { solid, near };
                 let solid = solids.tori[i];
-                self.draw_lined((place, solids), candidate, mask, |outline| {
+                self.draw_lined(place, (solids, number), candidate, mask, |outline| {
                     of(outline.map_or(solid, |o| o.torus(&solid)))
                 });
             }
@@ -421,7 +432,8 @@ impl Tile {
     #[inline(always)]
     fn draw_lined<D: DepthAt>(
         &mut self,
-        (place, solids): (&Place<'_>, &Solids),
+        place: &Place<'_>,
+        (solids, number): (&Solids, usize),
         candidate: &Candidate,
         mask: &[bool; LANES],
         of: impl Fn(Option<&Outline>) -> D,
@@ -429,7 +441,7 @@ impl Tile {
         match place.outline {
             None => self.draw(place, candidate, mask, &of(None)),
             Some(outline) => {
-                let behind = outline.behind(solids, candidate.index as usize);
+                let behind = outline.behind(solids, number);
                 let lined = Outlined { own: of(None), grown: of(Some(outline)), behind };
                 self.draw(place, candidate, mask, &lined);
             }

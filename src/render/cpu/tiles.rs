@@ -6,8 +6,9 @@
 
 use super::backdrop::Row;
 use super::binning::Candidate;
+use super::bunches::Copies;
 use super::lanes::Pass;
-use super::packs::{Packed, Packs};
+use super::packs::{Any, Packed, Packs};
 use super::reach::{Lights, Questions, Shadows};
 use super::shade;
 use super::shader::Shader;
@@ -251,43 +252,70 @@ impl<S: Source> Work for Finish<'_, '_, S> {
     }
 }
 
-/// The finished picture; unfinished, and of no use, if `stop` became true meanwhile. `packs` are the scene's, if they are known.
+/// What is known of a scene's blocks, whatever the view.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Known<'a> {
+    /// Its packs.
+    pub(super) packs: Option<&'a Packs>,
+    /// Whether its placements must not be spread out: its packs are then what is drawn, whatever it is.
+    pub(super) of_copies: bool,
+    /// What light from afar then asks.
+    pub(super) copies: Option<&'a Copies>,
+}
+
+impl<'a> Known<'a> {
+    /// The packs of a scene whose placements are not spread out.
+    fn packs_of_copies(&self) -> Option<&'a Packs> {
+        self.packs.filter(|_| self.of_copies)
+    }
+}
+
+/// The finished picture; unfinished, and of no use, if `stop` became true meanwhile.
 #[must_use]
 pub(super) fn image(
     scene: &Scene,
     view: &View,
     settings: &Settings,
-    (ground_map, lights, packs): (&GroundMap, &mut Lights, Option<&Packs>),
+    (ground_map, lights, known): (&GroundMap, &mut Lights, Known<'_>),
     stop: &AtomicBool,
 ) -> Image {
     if let Some(lens) = Lens::of(scene, view) {
-        return image_through(&lens, scene, view, settings, (ground_map, lights), stop);
+        return image_through(&lens, scene, view, settings, (ground_map, lights, known), stop);
     }
     let frame = FrameConstants::new(scene, view, settings);
     let outline = Outline::of(&frame);
     // Who asks for light from afar, asks all primitives.
-    let packs = packs.filter(|packs| !lights.asks() && outline.is_none() && packs.is_opaque());
-    let view_from_world = view.camera.view_from_world();
+    let plain = known.packs.filter(|packs| !lights.asks() && outline.is_none() && packs.is_opaque());
+    let packs = known.packs_of_copies().or(plain);
     let samples = settings.samples.clamp(1, 4096);
-    let solids = match packs {
-        Some(_) => Solids::others(scene, view_from_world),
-        None => Solids::new(scene, view_from_world),
-    };
+    let solids = solids_of(scene, view, packs);
     let side = |part| Pass::all(part, samples).first().map_or(1, |pass| pass.side);
-    let shadows = Shadows::new(scene, view, &solids, lights);
+    let shadows = Shadows::new(scene, view, (&solids, known.copies), lights);
     let parts = lights.parts(&shadows, samples);
     let tile = side(parts[0].clone()) * SIDE as u32;
     let shader = Shader::new(&frame, &solids, ground_map);
     let asked = (samples, parts, &shadows, lights);
     match packs {
         Some(packs) => {
-            let source = Packed::new(scene, packs, &solids, view, tile);
+            let source = Packed::new(scene, packs, &solids, outline.as_ref(), (view, tile));
+            if source.is_any() {
+                return sampled(&Picture::new(shader, Any(source), view, tile), asked, stop);
+            }
             sampled(&Picture::new(shader, source, view, tile), asked, stop)
         }
         None => {
             let source = Listed::new(&solids, outline.as_ref(), view, tile);
             sampled(&Picture::new(shader, source, view, tile), asked, stop)
         }
+    }
+}
+
+/// What is not drawn from packs, in view space.
+fn solids_of(scene: &Scene, view: &View, packs: Option<&Packs>) -> Solids {
+    let view_from_world = view.camera.view_from_world();
+    match packs {
+        Some(packs) => Solids::others(scene, view_from_world, !packs.is_opaque()),
+        None => Solids::new(scene, view_from_world),
     }
 }
 
@@ -327,10 +355,11 @@ fn image_through(
     scene: &Scene,
     view: &View,
     settings: &Settings,
-    (ground_map, lights): (&GroundMap, &mut Lights),
+    (ground_map, lights, known): (&GroundMap, &mut Lights, Known<'_>),
     stop: &AtomicBool,
 ) -> Image {
     let samples = settings.samples.clamp(1, 4096);
+    let packs = known.packs_of_copies();
     let side = 4 * SIDE as u32;
     let (frame, none) = (FrameConstants::new(scene, view, settings), Solids::default());
     let picture =
@@ -342,31 +371,50 @@ fn image_through(
         }
         let view = lens.view(view, sample, samples);
         let frame = FrameConstants::new(scene, &view, settings);
-        let solids = Solids::new(scene, view.camera.view_from_world());
-        let shadows = Shadows::new(scene, &view, &solids, lights);
+        let solids = solids_of(scene, &view, packs);
+        let shadows = Shadows::new(scene, &view, (&solids, known.copies), lights);
         // Directions hold for every point of the lens: those of a part are found once.
         let parts = lights.parts(&shadows, samples);
         let part = parts.into_iter().find(|part| part.contains(&sample)).unwrap_or(sample..sample + 1);
         let questions = shadows.look(lights, &part);
-        let source = Listed::new(&solids, Outline::of(&frame).as_ref(), &view, side);
-        let seen = Picture::new(Shader::new(&frame, &solids, ground_map), source, &view, side);
-        seen.add_to_all((&[Pass::of_one(sample, samples)], &questions), &mut sums, stop);
+        let (outline, passes) = (Outline::of(&frame), [Pass::of_one(sample, samples)]);
+        let (shader, asked) = (Shader::new(&frame, &solids, ground_map), (&passes[..], &questions));
+        if let Some(packs) = packs {
+            let source = Any(Packed::new(scene, packs, &solids, outline.as_ref(), (&view, side)));
+            Picture::new(shader, source, &view, side).add_to_all(asked, &mut sums, stop);
+        } else {
+            let source = Listed::new(&solids, outline.as_ref(), &view, side);
+            Picture::new(shader, source, &view, side).add_to_all(asked, &mut sums, stop);
+        }
     }
     picture.put_together(sums, stop, |_, tile, sums| picture.finish(tile, sums, samples))
 }
 
 /// What is seen at the pixel centres.
 #[must_use]
-pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
+pub(super) fn gbuffer(scene: &Scene, view: &View, known: Known<'_>) -> GBuffer {
     let frame = FrameConstants::new(scene, view, &Settings::default()).without_outlines();
-    let region = view.region();
     let none = GroundMap::none();
-    let solids = Solids::new(scene, view.camera.view_from_world());
-    let passes = Pass::all(0..1, 1);
-    let pass = &passes[0];
-    let side = pass.side * SIDE as u32;
-    let source = Listed::new(&solids, None, view, side);
-    let picture = Picture::new(Shader::new(&frame, &solids, &none), source, view, side);
+    let packs = known.packs_of_copies();
+    let solids = solids_of(scene, view, packs);
+    let pass = Pass::of_one(0, 1);
+    let tile = pass.side * SIDE as u32;
+    let shader = Shader::new(&frame, &solids, &none);
+    match packs {
+        Some(packs) => {
+            let source = Any(Packed::new(scene, packs, &solids, None, (view, tile)));
+            facts(&Picture::new(shader, source, view, tile), &pass)
+        }
+        None => {
+            let source = Listed::new(&solids, None, view, tile);
+            facts(&Picture::new(shader, source, view, tile), &pass)
+        }
+    }
+}
+
+/// What the one sample of a pass sees in every pixel.
+fn facts<S: Source>(picture: &Picture<'_, S>, pass: &Pass) -> GBuffer {
+    let region = picture.region;
     let across = picture.tiles[0] as usize;
     let tiles: Vec<Box<Tile>> = (0..across * picture.tiles[1] as usize)
         .into_par_iter()
@@ -386,9 +434,15 @@ pub fn gbuffer(scene: &Scene, view: &View) -> GBuffer {
             let block = |at: u32| (at / pass.side) as usize;
             let lane = (row % pass.side * pass.side + column % pass.side) as usize;
             let (t, index) = (tile.t[block(row)][block(column)][lane], tile.index[block(row)][block(column)][lane]);
-            let nearest = (t < f32::INFINITY).then_some((index, t));
             let center = picture.grid.plane((region.x + x) as f32 + 0.5, (region.y + y) as f32 + 0.5);
-            buffer.push(picture.shader.facts(&picture.grid.ray(center), nearest));
+            let ray = picture.grid.ray(center);
+            buffer.push(if t == f32::INFINITY {
+                picture.shader.facts(&ray, None)
+            } else if let Some(alone) = picture.source.alone(index) {
+                picture.shader.of(&alone).facts(&ray, Some((0, t)))
+            } else {
+                picture.shader.facts(&ray, Some((index, t)))
+            });
         }
     }
     buffer

@@ -3,7 +3,7 @@
 use super::lanes::LANES;
 use super::reach::{Lights, NOBODY, Points, Questions, Shadows};
 use super::simd::{Work, widest};
-use super::tiles;
+use super::tiles::{self, Known};
 use crate::math::max;
 use crate::render::image::{GBuffer, SkyVisibility};
 use crate::render::settings::View;
@@ -26,16 +26,19 @@ struct Block {
 }
 
 /// How much of the sky the surface at the pixel centres sees, over so many directions.
-pub(super) fn sky_visibility(scene: &Scene, view: &View, directions: &[Vec3]) -> SkyVisibility {
-    let seen = tiles::gbuffer(scene, view);
+pub(super) fn sky_visibility(scene: &Scene, view: &View, directions: &[Vec3], known: Known<'_>) -> SkyVisibility {
+    let seen = tiles::gbuffer(scene, view, known);
     let covered: Vec<u32> = (seen.id.iter().zip(&seen.depth).zip(0..))
         .filter(|((id, depth), _)| !matches!(**id, GBuffer::BACKGROUND | GBuffer::GROUND) && **depth > view.camera.near)
         .map(|(_, pixel)| pixel)
         .collect();
     let mut open = vec![1.0; seen.id.len()];
     let mut blocks: Vec<Block> = covered.par_chunks(LANES).map(|pixels| block_of(view, &seen, pixels)).collect();
-    let solids = Solids::new(scene, view.camera.view_from_world());
-    let shadows = Shadows::new(scene, view, &solids, &mut Lights::of_sky(directions));
+    let solids = match known.copies {
+        Some(_) => Solids::default(),
+        None => Solids::new(scene, view.camera.view_from_world()),
+    };
+    let shadows = Shadows::new(scene, view, (&solids, known.copies), &mut Lights::of_sky(directions));
     for part in directions.chunks(DIRECTIONS_AT_A_TIME) {
         let mut lights = Lights::of_sky(part);
         let questions = shadows.look(&mut lights, &(0..1));
