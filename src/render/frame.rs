@@ -163,9 +163,11 @@ impl FrameConstants {
         }
     }
 
-    /// These constants with the ground map of a key light straight above: the same however the light turns.
+    /// These constants with the ground map of a key light straight above, which is the same however the light turns, with twice the texels
+    /// a side: others are interpolated from it.
     #[must_use]
     pub fn lit_from_above(&self, scene: &Scene, view: &View, settings: &Settings) -> FrameConstants {
+        let settings = &Settings { ground_texels: settings.ground_texels * 2, ..*settings };
         let [_, ground_map, ground_map_size] = grids(scene, view, settings, Vec3::Y);
         let [x, y, z] = Vec3::Y.to_array();
         FrameConstants { ground_map, ground_map_size, key_in_world: [x, y, z, self.key_in_world[3]], ..*self }

@@ -234,6 +234,24 @@ fn buttons_turn_move_and_the_wheel_zooms() {
 }
 
 #[test]
+fn a_drag_between_two_frames_turns_as_a_slow_one_does() {
+    let mut harness = harness(opened(&["caffeine.sdf"]));
+    let before = harness.state().state.work.camera;
+    let from = harness.state().view.center();
+    let to = from + egui::vec2(40.0, 20.0);
+    harness.event(egui::Event::PointerMoved(from));
+    steps(&mut harness);
+    // All at once, as they come while a frame takes long.
+    button(&mut harness, from, PointerButton::Primary, true, Modifiers::NONE);
+    harness.event(egui::Event::PointerMoved(to));
+    button(&mut harness, to, PointerButton::Primary, false, Modifiers::NONE);
+    steps(&mut harness);
+    let after = harness.state().state.work.camera;
+    assert!(after.world_from_view != before.world_from_view, "it turns");
+    assert!(!harness.state().state.dragging && harness.state().state.work.picked.is_empty());
+}
+
+#[test]
 fn clicks_pick_and_shift_adds_and_m_keeps_the_number() {
     let mut harness = harness(opened(&["benzene.xyz"]));
     let picked =

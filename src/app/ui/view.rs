@@ -127,8 +127,14 @@ fn drag(ui: &Ui, view: &View<'_>, response: &Response, memory: &mut Memory, acti
         (PointerButton::Middle, Button::Middle),
         (PointerButton::Secondary, Button::Right),
     ];
-    let Some((_, button)) = buttons.into_iter().find(|(button, _)| response.dragged_by(*button)) else { return };
-    let delta = response.drag_delta() * view.scale;
+    let dragged = buttons.into_iter().find(|(button, _)| response.dragged_by(*button));
+    let moved = match dragged {
+        Some((_, button)) => Some((button, response.drag_delta())),
+        None => flick(ui, response).and_then(|(with, delta)| {
+            buttons.into_iter().find(|(button, _)| *button == with).map(|(_, button)| (button, delta))
+        }),
+    };
+    let Some((button, delta)) = moved.map(|(button, delta)| (button, delta * view.scale)) else { return };
     if delta == Vec2::ZERO {
         return;
     }
@@ -145,6 +151,8 @@ fn drag(ui: &Ui, view: &View<'_>, response: &Response, memory: &mut Memory, acti
         // A drag over half the window is eight notches of the wheel.
         Drag::Zoom => navigate::zoom(&mut camera, delta.y * 16.0 / height as f32, [0.0; 2], height, NEAREST),
         Drag::Roll => navigate::roll(&mut camera, delta.x, shorter),
+        // It is over already.
+        Drag::Select if dragged.is_none() => return,
         Drag::Select => {
             // With Shift as clicks do: beside what is selected.
             let from = ui.input(|input| input.pointer.press_origin());
@@ -154,6 +162,35 @@ fn drag(ui: &Ui, view: &View<'_>, response: &Response, memory: &mut Memory, acti
     }
     actions.push(Action::Camera(camera));
 }
+
+/// A button that was pressed and let go between two frames, and how far it was moved meanwhile: egui sees no drag in it.
+fn flick(ui: &Ui, response: &Response) -> Option<(PointerButton, Vec2)> {
+    if !response.contains_pointer() {
+        return None;
+    }
+    ui.input(|input| {
+        let mut start = None;
+        for event in &input.events {
+            match *event {
+                Event::PointerButton { pos, button, pressed: true, .. } if response.rect.contains(pos) => {
+                    start = Some((button, pos));
+                }
+                Event::PointerButton { pos, button, pressed: false, .. } => {
+                    let moved = start.take().filter(|(with, _)| *with == button).map(|(_, from)| pos - from);
+                    // What is less is a click.
+                    if let Some(delta) = moved.filter(|delta| delta.length() > MOST_OF_CLICK) {
+                        return Some((button, delta));
+                    }
+                }
+                _ => {}
+            }
+        }
+        None
+    })
+}
+
+/// Points that the pointer may move in a click: egui's own (`InputOptions::max_click_dist`).
+const MOST_OF_CLICK: f32 = 6.0;
 
 /// The rectangle that is being drawn.
 fn rectangle(painter: &Painter, response: &Response, memory: &Memory, accent: Color32) {
