@@ -7,7 +7,7 @@ use super::shader::Shader;
 use crate::color::{Srgb8, bytes_from_linear};
 use crate::render::frame::{ground_fade, resolve, shade_background};
 use crate::scene::PixelGrid;
-use glam::Vec4;
+use glam::{Vec2, Vec4};
 
 /// A row of pixels.
 pub(super) struct Row<'a> {
@@ -105,6 +105,8 @@ pub(super) struct Backdrop<'a> {
     plain: Srgb8,
     /// The last colour of a whole group, and how it is shown.
     last: ([u32; 3], Srgb8),
+    /// The background's colour as a group shows it.
+    flat: Srgb8,
 }
 
 impl<'a> Backdrop<'a> {
@@ -116,7 +118,7 @@ impl<'a> Backdrop<'a> {
             background.truncate().to_array().map(f32::to_bits),
             Srgb8::from_linear(background.truncate().to_array(), 1.0),
         );
-        Backdrop { shader, grid, plain, last }
+        Backdrop { shader, grid, plain, last, flat: last.1 }
     }
 
     /// Whether it is one colour everywhere.
@@ -129,6 +131,44 @@ impl<'a> Backdrop<'a> {
     #[inline(always)]
     pub(super) fn plain(&self) -> Srgb8 {
         self.plain
+    }
+
+    /// The background's colour if nothing else is behind all these pixels of the full picture (left, top, right, bottom): no ground, or one
+    /// that looks like it, in full light. `None` if that is not sure.
+    #[inline(always)]
+    pub(super) fn flat_in(&self, [left, top, right, bottom]: [u32; 4]) -> Option<Srgb8> {
+        let (frame, ground_map) = (self.shader.frame, self.shader.ground_map);
+        if frame.ambient[3] > 0.5 || frame.ground_color[..3] != frame.background[..3] {
+            return None;
+        }
+        let PixelGrid { center_px, plane_per_px, orthographic, .. } = *self.grid;
+        let [left, right] = [left, right].map(|x| (x as f32 - center_px[0]) * plane_per_px);
+        let [top, bottom] = [top, bottom].map(|y| (center_px[1] - y as f32) * plane_per_px);
+        let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        let (mut some, mut all) = (false, true);
+        let m = &frame.world_from_view;
+        for (u, v) in [(left, top), (right, top), (left, bottom), (right, bottom)] {
+            let turned = |axis: usize| m[0][axis] * u + m[1][axis] * v;
+            // From where the corner's ray starts, and where it goes: linear in the plane, so that what holds at the corners holds between.
+            let (origin, fall) =
+                if orthographic { (m[3][1] + turned(1), -m[2][1]) } else { (m[3][1], turned(1) - m[2][1]) };
+            let (above, falls) = (origin > frame.ground[0], fall < 0.0);
+            (some, all) = (some | (above & falls), all & above & (fall <= -1e-6));
+            let depth = (frame.ground[0] - origin) / fall;
+            let aside = if orthographic { 1.0 } else { depth };
+            let at = |axis: usize| turned(axis) * aside - m[2][axis] * depth + m[3][axis];
+            let at = Vec2::new(at(0), at(2));
+            (low, high) = (low.min(at), high.max(at));
+        }
+        if !some {
+            return Some(self.flat);
+        }
+        let (grid, [width, height]) = (frame.ground_grid(), ground_map.size);
+        let corner = Vec2::from(grid.corner);
+        let end = corner + Vec2::new(width as f32, height as f32) / grid.texels_per_angstrom;
+        // The light is that of the map from half a texel inside of it on.
+        let beside = high.cmplt(corner).any() || low.cmpgt(end).any();
+        (all && beside).then_some(self.flat)
     }
 
     /// Pixels in which nothing is seen; `u`, `v` are the plane coordinates of their centres.
@@ -231,4 +271,68 @@ fn opaque(shader: &Shader<'_>, grid: &PixelGrid, u: &Lanes, v: &Lanes) -> [Lanes
         }
     }
     color
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::field::Field;
+    use crate::render::frame::FrameConstants;
+    use crate::render::solids::Solids;
+    use crate::render::test_shapes::Random;
+    use crate::render::{Settings, View};
+    use crate::scene::{Block, Camera, Placement, Projection, Scene, SphereInstance};
+    use glam::{Affine3A, Quat, Vec3};
+
+    #[test]
+    fn what_is_said_to_be_flat_is_the_background_in_every_pixel() {
+        let ball = SphereInstance { center: [0.0; 3], radius: 2.0, color: Srgb8::WHITE, id: 1 };
+        let placement = Placement { block: 0, world_from_block: Affine3A::IDENTITY, first_id: 0 };
+        let block = Block { spheres: vec![ball], id_count: 1, ..Block::default() };
+        let mut scene = Scene::from_blocks(vec![block], vec![placement]);
+        scene.set_ground(true);
+        let (field, solids) = (Field::new(&scene), Solids::default());
+        let settings = Settings { samples: 1, ground_texels: 64, ao: 0, shadow: false };
+        let mut random = Random(21);
+        let (mut flat, mut not) = (0, 0);
+        for number in 0..60 {
+            let turn = random.between(0.0, 6.0) as f32;
+            let tilt = random.between(-1.2, 0.3) as f32;
+            let world_from_view = Quat::from_rotation_y(turn) * Quat::from_rotation_x(tilt);
+            let projection = match number % 3 {
+                0 => Projection::Orthographic { height: 60.0 },
+                _ => Projection::Perspective { fov_y_rad: 1.0 },
+            };
+            let eye = world_from_view * Vec3::new(0.0, 0.0, 30.0);
+            let camera = Camera {
+                eye,
+                world_from_view,
+                projection,
+                near: 0.1,
+                far: 1000.0,
+                target: Vec3::ZERO,
+                shift: [0.0; 2],
+            };
+            let view = View::new(camera, 96, 64);
+            let frame = FrameConstants::new(&scene, &view, &settings);
+            let (map, grid) = (field.ground_map(&frame), view.pixel_grid());
+            let shader = Shader::new(&frame, &solids, &map);
+            let mut backdrop = Backdrop::new(&shader, &grid);
+            for y in (0..64).step_by(4) {
+                for x in [0, 32, 64] {
+                    let Some(color) = backdrop.flat_in([x, y, x + 32, y + 4]) else {
+                        not += 1;
+                        continue;
+                    };
+                    flat += 1;
+                    for (x, y) in (x..x + 32).flat_map(|x| (y..y + 4).map(move |y| (x, y))) {
+                        let (u, v) = grid.plane(x as f32 + 0.5, y as f32 + 0.5);
+                        let seen = backdrop.alone([&[u; LANES], &[v; LANES]])[0];
+                        assert_eq!(seen, color, "view {number}, pixel {x} {y}");
+                    }
+                }
+            }
+        }
+        assert!(flat > 300 && not > 300, "{flat} {not}");
+    }
 }

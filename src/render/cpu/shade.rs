@@ -100,12 +100,21 @@ pub(super) fn finish(
     }
     for (row, lines) in rows.chunks_mut(GROUP).enumerate() {
         let width = lines.first().map_or(0, |line| line.len());
+        let [left, top] = [place.corner[0], place.corner[1] + (row * GROUP) as u32];
+        let flat = if backdrop.is_plain() {
+            None
+        } else {
+            backdrop.flat_in([left, top, left + width as u32, top + lines.len() as u32])
+        };
+        if let Some(flat) = flat {
+            lines.iter_mut().for_each(|line| line.fill(flat));
+        }
         for (column, start) in (0..width).step_by(GROUP).enumerate() {
             let is_touched = !is_empty && tile.touched[row][column];
             if !is_empty && tile.touched[row][(column + AHEAD) % SIDE] {
                 source.prefetch(&tile.index[row][(column + AHEAD) % SIDE]);
             }
-            if !is_touched && backdrop.is_plain() {
+            if !is_touched && (backdrop.is_plain() || flat.is_some()) {
                 continue;
             }
             let pixels = if is_touched {
