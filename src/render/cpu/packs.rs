@@ -22,6 +22,7 @@ use crate::render::solids::{Cylinder, Solids, Sphere, Torus, is_see_through};
 use crate::scene::{Block, CylinderInstance, Scene, SphereInstance, TorusInstance};
 use glam::{Affine3A, Vec3, Vec3A};
 use rayon::prelude::*;
+use std::mem::offset_of;
 use std::ops::Range;
 
 /// Balls, sticks and rings of a pack. Chosen, other numbers were not tried: 32 atoms of a protein with their bonds are some 9 Å wide, and a million
@@ -332,6 +333,17 @@ impl<'a> Packed<'a> {
         (placed, (index - first(placed)) as usize)
     }
 
+    /// A pack where it stands: its balls, sticks and rings by their numbers in the block.
+    #[inline(always)]
+    fn opened(&self, placement: u32, pack: u32) -> (&Placed<'a>, &Pack, [&[u32]; 3]) {
+        let placed = &self.placed[placement as usize];
+        let pack = &placed.packs.packs[pack as usize];
+        let members = &placed.packs.members[pack.start as usize..];
+        let (spheres, members) = members.split_at(usize::from(pack.spheres));
+        let (cylinders, members) = members.split_at(usize::from(pack.cylinders));
+        (placed, pack, [spheres, cylinders, &members[..usize::from(pack.tori)]])
+    }
+
     #[inline(always)]
     fn see_as<const PARALLEL: bool>(
         &self,
@@ -350,12 +362,7 @@ impl<'a> Packed<'a> {
             if tile.hides(place, nearest, pixels) {
                 continue;
             }
-            let placed = &self.placed[placement as usize];
-            let pack = &placed.packs.packs[pack as usize];
-            let counts = [pack.spheres, pack.cylinders, pack.tori].map(usize::from);
-            let members = &placed.packs.members[pack.start as usize..][..counts.iter().sum()];
-            let (spheres, members) = members.split_at(counts[0]);
-            let (cylinders, tori) = members.split_at(counts[1]);
+            let (placed, pack, [spheres, cylinders, tori]) = self.opened(placement, pack);
             let (first_ball, first_stick) = (pack.first_ball as usize, pack.first_stick as usize);
             draw_balls::<PARALLEL>((tile, place, &mut queues), (&window, &self.framing), placed, (first_ball, spheres));
             draw_sticks::<PARALLEL>(
@@ -415,9 +422,14 @@ impl<'a> Packed<'a> {
     }
 }
 
-/// Words of [`SphereInstance`] and of [`CylinderInstance`].
-const BALL_WORDS: usize = size_of::<SphereInstance>() / 4;
-const STICK_WORDS: usize = size_of::<CylinderInstance>() / 4;
+/// Words of a [`SphereInstance`] and of a [`CylinderInstance`], and at which of them what it is stands in the two.
+const WORDS: [usize; 2] = [size_of::<SphereInstance>() / 4, size_of::<CylinderInstance>() / 4];
+const END_A: [usize; 2] = [offset_of!(SphereInstance, center) / 4, offset_of!(CylinderInstance, a) / 4];
+const END_B: [usize; 2] = [END_A[0], offset_of!(CylinderInstance, b) / 4];
+const RADIUS: [usize; 2] = [offset_of!(SphereInstance, radius) / 4, offset_of!(CylinderInstance, radius) / 4];
+const COLOR_A: [usize; 2] = [offset_of!(SphereInstance, color) / 4, offset_of!(CylinderInstance, color_a) / 4];
+const COLOR_B: [usize; 2] = [COLOR_A[0], offset_of!(CylinderInstance, color_b) / 4];
+const CAPS: usize = offset_of!(CylinderInstance, caps) / 4;
 
 /// Rings of no more pixels are not drawn in pieces: all would lie in the same few blocks of samples. Chosen.
 const SMALL_RING: u16 = 12;
@@ -473,7 +485,7 @@ impl Facts for Packed<'_> {
             let [known_ball, known_stick] = [(ball as usize) < balls.len(), (stick as usize) < sticks.len()];
             raw.lanes[lane] = if known_ball | known_stick { lanes[lane] } else { 0 };
             is_stick[lane] = usize::from(!known_ball);
-            at[lane] = if known_ball { ball as usize * BALL_WORDS } else { stick as usize * STICK_WORDS };
+            at[lane] = if known_ball { ball as usize * WORDS[0] } else { stick as usize * WORDS[1] };
         }
         // One word of all, then the next, so that what is not in the caches is waited for at the same time.
         let word = |lane: usize, [of_ball, of_stick]: [usize; 2]| {
@@ -481,18 +493,18 @@ impl Facts for Packed<'_> {
             words[is_stick].get(at[lane] + [of_ball, of_stick][is_stick]).copied().unwrap_or_default()
         };
         for lane in 0..LANES {
-            raw.ends[0][0][lane] = f32::from_bits(word(lane, [0, 0]));
+            raw.ends[0][0][lane] = f32::from_bits(word(lane, END_A));
         }
         for lane in 0..LANES {
-            raw.colors[1][lane] = word(lane, [4, 9]);
+            raw.colors[1][lane] = word(lane, COLOR_B);
         }
         for (lane, &is_stick) in is_stick.iter().enumerate() {
-            raw.colors[0][lane] = word(lane, [4, 8]);
-            raw.radius[lane] = f32::from_bits(word(lane, [3, 3]));
-            raw.caps[lane] = if is_stick == 0 { 0 } else { word(lane, [0, 10]) };
+            raw.colors[0][lane] = word(lane, COLOR_A);
+            raw.radius[lane] = f32::from_bits(word(lane, RADIUS));
+            raw.caps[lane] = if is_stick == 0 { 0 } else { word(lane, [0, CAPS]) };
             for axis in 0..3 {
-                raw.ends[0][axis][lane] = f32::from_bits(word(lane, [axis, axis]));
-                raw.ends[1][axis][lane] = f32::from_bits(word(lane, [axis, 4 + axis]));
+                raw.ends[0][axis][lane] = f32::from_bits(word(lane, END_A.map(|start| start + axis)));
+                raw.ends[1][axis][lane] = f32::from_bits(word(lane, END_B.map(|start| start + axis)));
             }
         }
         Some(raw)
@@ -588,12 +600,7 @@ impl Any<'_> {
             if tile.hides(place, nearest, pixels) {
                 continue;
             }
-            let placed = &packed.placed[placement as usize];
-            let pack = &placed.packs.packs[pack as usize];
-            let members = &placed.packs.members[pack.start as usize..];
-            let (spheres, members) = members.split_at(usize::from(pack.spheres));
-            let (cylinders, members) = members.split_at(usize::from(pack.cylinders));
-            let members = [spheres, cylinders, &members[..usize::from(pack.tori)]];
+            let (placed, _, members) = packed.opened(placement, pack);
             self.draw_members::<PARALLEL>((tile, place), placed, &mut solids, members);
         }
         packed.other_bins.of_tile(number, candidates);
