@@ -1,8 +1,9 @@
 //! Balls and sticks of few pixels, sixteen of them together, in a tile with one sample a pixel.
 //!
 //! Whole blocks of samples ([`super::tile`]) are not worth it for these. They wait until there are sixteen; then one pixel after the other of
-//! all of them is asked at once whether they may cover it, and whether something nearer was seen there. Those that are left are listed, and
-//! the depths of sixteen found together. Which were drawn before others makes no difference: the nearest is seen.
+//! all of them is asked at once whether they may cover it, and whether something nearer was seen there. The depths of balls are then found at
+//! once; of sticks, of which few cover their pixel, those that are left are listed, and the depths of sixteen found together. Which were drawn
+//! before others makes no difference: the nearest is seen.
 
 use super::intersect::FLAT_CAPS;
 use super::intersect::{flat_cylinder_t, sphere_entry};

@@ -2,6 +2,9 @@
 //!
 //! A tile is 32 × 32 blocks of [`LANES`] samples. Each block knows the depth of its farthest sample, so that what lies behind
 //! it is left out at once. Ties in depth go to the first primitive, as in the reference.
+//!
+//! Who draws from packs tells the tile what is seen looks like, normal and colour: that is found for many samples at once while the primitive
+//! is at hand, and would have to be gathered again from all over the memory when they are shaded.
 
 use super::behind::Mask;
 use super::binning::Candidate;
