@@ -112,6 +112,11 @@ impl Loader {
             }
             let result = guarded(|| read(&source, &crystal, &maker, &stage, &cancelled));
             stage.store(Stage::Done as u8, Ordering::Relaxed);
+            if let (Ok(document), true) = (&result, cancelled.load(Ordering::Relaxed)) {
+                // Freeing it may take a while, and nobody waits for this thread.
+                maker.forget(|other| !Arc::ptr_eq(other, document));
+                return;
+            }
             let document = result.as_ref().ok().map(Arc::clone);
             // The window may be gone.
             let _ = sender.send(Loaded { load: id, source, result });
@@ -180,7 +185,12 @@ impl Loader {
             }
             // One that could not even start is told; one that was given up is not.
             None if loaded.result.is_err() && loaded.load + 1 == self.next => finished.push((loaded, None)),
-            None => {}
+            None => {
+                // What is drawn of one that was given up is kept for nobody.
+                if let Ok(document) = &loaded.result {
+                    self.maker.forget(|other| !Arc::ptr_eq(other, document));
+                }
+            }
         }
     }
 }

@@ -12,8 +12,8 @@ use crate::scene::{BySelection, Camera, Item, OverlayOptions, Pose, Scene, Scene
 use std::path::Path;
 use std::sync::Arc;
 
-/// How large balls are, as a part of the space that is an atom's in the mean (chosen by eye: a closed surface with the grain of a sample).
-const FILLED: f64 = 0.7;
+/// How large the balls are: the van der Waals radii of what all atoms that they stand for take up together, times this (chosen by eye: 0.7 shows gaps).
+const FILLED: f64 = 1.0;
 
 /// A glimpse of a file that is being read.
 pub(super) struct Preview {

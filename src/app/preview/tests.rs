@@ -148,6 +148,28 @@ fn giving_up_takes_it_away() {
 }
 
 #[test]
+fn nothing_is_kept_of_a_file_that_was_given_up() {
+    let file = File::new("forgotten.xyz", &bar(COUNT));
+    for pause in [0, 2, 5, 10, 20, 40, 80] {
+        let mut state = state();
+        state.apply(Action::Open(file.0.clone()));
+        std::thread::sleep(Duration::from_millis(pause));
+        state.apply(Action::Cancel);
+        // The reader ends with the file, and is the last but these to know what makes scenes: the state, its loader, its builder.
+        let maker = state.maker();
+        for _ in 0..2000 {
+            state.poll();
+            if Arc::strong_count(&maker) <= 4 {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        state.poll();
+        assert_eq!((Arc::strong_count(&maker), maker.kept_count()), (4, 0), "{pause}");
+    }
+}
+
+#[test]
 fn giving_up_the_scene_takes_it_away_as_well() {
     let file = File::new("parts.xyz", &bar(COUNT));
     let mut state = waiting(&file, COUNT);

@@ -153,7 +153,7 @@ fn read_blocks(
     std::thread::scope(|scope| {
         for _ in 1..READERS {
             // This thread reads as well, and alone if there are no others to be had.
-            let _ = std::thread::Builder::new().name("glimpse".to_owned()).spawn_scoped(scope, &read);
+            let _ = std::thread::Builder::new().name("glimpse".to_owned()).spawn_scoped(scope, read);
         }
         read();
     });

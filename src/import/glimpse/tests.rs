@@ -99,9 +99,9 @@ fn check(text: &str, name: &str, count: usize) {
         glimpse.structure.elements().iter().map(|element| element.symbol()).collect();
     let wanted: &[&str] = if name.ends_with("gro") { &["H", "O"] } else { &["C", "H", "N", "O"] };
     assert_eq!(symbols.into_iter().collect::<Vec<_>>(), wanted, "{name}");
-    // The middle is as dense as either end.
+    // The middle is about as dense as either end; its lines are shorter.
     let middle = points.iter().filter(|point| (0.0..100.0).contains(&point.x)).count();
-    assert!((middle as f64 / atoms as f64 - 0.5).abs() < 0.02, "{name}: {middle} of {atoms}");
+    assert!((middle as f64 / atoms as f64 - 0.5).abs() < 0.05, "{name}: {middle} of {atoms}");
     assert!(glimpse.structure.bonds().is_empty());
 }
 
@@ -135,7 +135,7 @@ fn a_small_first_frame_is_read_whole() {
 
 #[test]
 fn of_large_frames_the_first_counts() {
-    let far = |text: String| text.replace("C ", "C 9").replace("ATOM 1 C", "ATOM 1 C");
+    let far = |text: String| text.replace("C ", "C 9");
     let two = xyz(MANY, "") + &far(xyz(MANY, ""));
     check(&two, "a.xyz", MANY);
     check(&(gro(MANY) + &gro(MANY)), "a.gro", MANY);
