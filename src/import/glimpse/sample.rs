@@ -9,7 +9,7 @@ use std::time::Instant;
 
 /// Bytes of a block: a page of most systems.
 const BLOCK_BYTES: usize = 4 << 10;
-/// Blocks as a power of two; so many were read in 10 ms of a file in memory, and in 0.2 s of a solid-state disk that takes 0.1 ms for each.
+/// Blocks as a power of two (chosen: a disk that takes 0.1 ms for each gives them in 0.2 s, one after another).
 const BLOCKS_LOG2: u32 = 11;
 /// Threads that read them (chosen: disks that take longest for one block take many at once).
 const READERS: usize = 16;
@@ -17,7 +17,7 @@ const READERS: usize = 16;
 const LEAST_BLOCKS: usize = 1 << (BLOCKS_LOG2 - 4);
 /// What has no more bytes is read as a whole.
 pub(super) const WHOLE_BYTES: u64 = (BLOCK_BYTES as u64) << BLOCKS_LOG2;
-/// About so many atoms are kept (chosen: their scene is made and drawn in some 50 ms).
+/// At most about so many atoms are kept (chosen: a closed surface in a window, drawn in no time).
 pub(super) const MOST_ATOMS: usize = 50_000;
 /// So many lines without an atom are not among atoms any more.
 const MOST_OTHERS: usize = 8;
