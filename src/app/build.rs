@@ -245,6 +245,12 @@ impl Maker {
         rig
     }
 
+    /// How many frames are kept as they are drawn.
+    #[cfg(test)]
+    pub(super) fn kept_count(&self) -> usize {
+        lock(&self.kept).len()
+    }
+
     /// Forgets what was kept of files that are closed.
     pub(super) fn forget(&self, is_open: impl Fn(&Arc<Document>) -> bool) {
         self.ahead.forget(&is_open);

@@ -1,10 +1,12 @@
 //! Files are read on threads of their own: the window never waits for a disk, and a large file can be given up.
 
 use super::build::{Maker, Waker};
+use super::preview::Preview;
 use super::work::Source;
 use crate::crystal::CrystalOptions;
 use crate::error::{Error, Result};
 use crate::import::{Document, ImportOptions, trajectory};
+use crate::scene::SceneOptions;
 use crate::session::samples;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
@@ -57,6 +59,7 @@ pub(super) struct Loader {
     wake: Waker,
     sender: Sender<Loaded>,
     receiver: Receiver<Loaded>,
+    previews: (Sender<Preview>, Receiver<Preview>),
     under_way: Vec<Load>,
     next: u32,
     /// What is to be said of trajectories since the last call.
@@ -66,7 +69,8 @@ pub(super) struct Loader {
 impl Loader {
     pub(super) fn new(maker: Arc<Maker>, wake: Waker) -> Loader {
         let (sender, receiver) = channel();
-        Loader { maker, wake, sender, receiver, under_way: Vec::new(), next: 1, problems: Arc::default() }
+        let (previews, problems) = (channel(), Arc::default());
+        Loader { maker, wake, sender, receiver, previews, under_way: Vec::new(), next: 1, problems }
     }
 
     /// A number for what comes without being read here.
@@ -75,8 +79,14 @@ impl Loader {
         self.next - 1
     }
 
-    /// Begins to read.
-    pub(super) fn start(&mut self, source: Source, crystal: CrystalOptions, replaces: Option<u32>) {
+    /// Begins to read; with a look for a preview if there is to be one.
+    pub(super) fn start(
+        &mut self,
+        source: Source,
+        crystal: CrystalOptions,
+        replaces: Option<u32>,
+        preview: Option<SceneOptions>,
+    ) {
         let (stage, cancelled) = (Arc::new(AtomicU8::new(0)), Arc::new(AtomicBool::new(false)));
         let id = self.next;
         self.next += 1;
@@ -89,10 +99,24 @@ impl Loader {
             cancelled: Arc::clone(&cancelled),
         };
         let (maker, wake, sender) = (Arc::clone(&self.maker), Arc::clone(&self.wake), self.sender.clone());
-        let problems = Arc::clone(&self.problems);
+        let (problems, previews) = (Arc::clone(&self.problems), self.previews.0.clone());
         let work = move || {
+            // The atoms of a structure are elsewhere in the frames of its trajectories.
+            if let (Some(options), Source::File(input)) = (preview, &source)
+                && input.trajectories.is_empty()
+                && let Ok(Some(preview)) = guarded(|| Ok(Preview::of_file(id, &input.structure, &options)))
+            {
+                // The window may be gone.
+                let _ = previews.send(preview);
+                wake();
+            }
             let result = guarded(|| read(&source, &crystal, &maker, &stage, &cancelled));
             stage.store(Stage::Done as u8, Ordering::Relaxed);
+            if let (Ok(document), true) = (&result, cancelled.load(Ordering::Relaxed)) {
+                // Freeing it may take a while, and nobody waits for this thread.
+                maker.forget(|other| !Arc::ptr_eq(other, document));
+                return;
+            }
             let document = result.as_ref().ok().map(Arc::clone);
             // The window may be gone.
             let _ = sender.send(Loaded { load: id, source, result });
@@ -120,6 +144,11 @@ impl Loader {
         for load in self.under_way.drain(..) {
             load.cancelled.store(true, Ordering::Relaxed);
         }
+    }
+
+    /// The previews that were made since the last call.
+    pub(super) fn previews(&self) -> Vec<Preview> {
+        self.previews.1.try_iter().collect()
     }
 
     /// The files that were read since the last call, with what each replaces; none that was given up.
@@ -156,7 +185,12 @@ impl Loader {
             }
             // One that could not even start is told; one that was given up is not.
             None if loaded.result.is_err() && loaded.load + 1 == self.next => finished.push((loaded, None)),
-            None => {}
+            None => {
+                // What is drawn of one that was given up is kept for nobody.
+                if let Ok(document) = &loaded.result {
+                    self.maker.forget(|other| !Arc::ptr_eq(other, document));
+                }
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Everything a person can do is an [`action`], and [`state`] does it: keys, panel, palette, undo, sessions and tests all drive the same
 //! thing, without a window. [`work`] is what undo and sessions keep. [`loader`] reads files and [`build`] makes scenes, on threads of
-//! their own where it takes long; frames of trajectories are decoded [`ahead`]. [`selecting`] selects, and writes down as selections what is
+//! their own where it takes long; of large files there is a [`preview`] meanwhile; frames of trajectories are decoded [`ahead`]. [`selecting`] selects, and writes down as selections what is
 //! done with that. [`commands`] is the one table of what there is to do. [`ui`] shows the state with egui and turns input into actions.
 //!
 //! [`window`] joins this to the system: winit's events go to egui, what egui draws goes to the [`screen`] with the picture behind it. With a
@@ -28,6 +28,7 @@ mod paint;
 mod picking;
 mod pictures;
 mod preferences;
+mod preview;
 mod screen;
 mod selecting;
 mod sessions;

@@ -274,7 +274,7 @@ impl GpuScreen {
             pixels_per_point: interface.scale,
             place: [place.left, place.top].map(|side| side as u32),
         };
-        self.renderer.load(Arc::clone(&state.built.scene))?;
+        self.renderer.load(Arc::clone(state.scene()))?;
         self.renderer.present(&mut self.surface, &state.view(), settings, done, add, over)?;
         self.done.1 += add;
         timings.spent(Stage::Present, began.elapsed());
@@ -348,7 +348,7 @@ impl CpuScreen {
     fn wish(&mut self, state: &State) {
         let view = state.view();
         let job = |settings: Settings, may_stop, drawn: View, coarseness: f32| Job {
-            scene: Arc::clone(&state.built.scene),
+            scene: Arc::clone(state.scene()),
             view: drawn,
             size: [view.width, view.height],
             settings,
@@ -357,7 +357,7 @@ impl CpuScreen {
             version: state.version,
             posted: Instant::now(),
         };
-        if state.work.layers.is_empty() {
+        if state.work.layers.is_empty() && state.preview.is_none() {
             // The start page covers it, and what is opened next must not begin with it.
             (self.shown, self.awaited) = (None, None);
             self.posted = (state.version, true);

@@ -162,8 +162,9 @@ pub(super) fn open(state: &mut State, path: &Path) {
     };
     state.preferences.opened(path);
     for file in &session.files {
-        state.loader.start(Source::of_input(file.input()), settings.crystal, None);
+        state.loader.start(Source::of_input(file.input()), settings.crystal, None, None);
     }
+    state.drop_preview(None);
     let layers = session.files.iter().map(|_| None).collect();
     let meshes = read_meshes(&session.overlay, state.pictures.waker());
     state.opening = Some(Opening { session, settings, layers, meshes });

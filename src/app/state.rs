@@ -9,6 +9,7 @@ use super::build::{Builder, Built, Maker, Spec, Waker};
 use super::history::History;
 use super::loader::{Loaded, Loader};
 use super::preferences::Preferences;
+use super::preview::Preview;
 use super::watch::Watch;
 use super::work::{AtomKey, Layer, Source, Work};
 use super::{Options, animations, picking, pictures, sessions};
@@ -104,6 +105,8 @@ pub(super) struct State {
     pub(super) work: Work,
     pub(super) history: History,
     pub(super) built: Arc<Built>,
+    /// What is on the screen in its place as long as nothing is there but a large file that is being read.
+    pub(super) preview: Option<Preview>,
     pub(super) preferences: Preferences,
     pub(super) shown: Shown,
     pub(super) playing: Playing,
@@ -155,6 +158,7 @@ impl State {
         };
         State {
             built: Arc::new(Built::empty(&work)),
+            preview: None,
             work,
             history: History::default(),
             preferences,
@@ -192,7 +196,7 @@ impl State {
     }
 
     /// Notes that the picture is another one.
-    fn touch(&mut self) {
+    pub(super) fn touch(&mut self) {
         self.version += 1;
         self.changed = Instant::now();
         self.seen = Some((self.work.camera, self.work.quality));
@@ -221,6 +225,7 @@ impl State {
         self.loader.cancel();
         self.builder.cancel();
         self.opening = None;
+        self.drop_preview(None);
         if self.asked.take().is_some() {
             self.say("Stopped: the picture is still the one before.");
         }
@@ -241,6 +246,9 @@ impl State {
 
     /// Takes in what other threads have finished.
     pub(super) fn poll(&mut self) {
+        for preview in self.loader.previews() {
+            self.show_preview(preview);
+        }
         for (loaded, replaces) in self.loader.finished() {
             self.take_in(loaded, replaces);
         }
@@ -288,6 +296,7 @@ impl State {
                     _ => format!("{}: {error}", source.name()),
                 };
                 sessions::failed(self);
+                self.drop_preview(Some(load));
                 return self.complain(named);
             }
         };
@@ -355,6 +364,7 @@ impl State {
             return; // what is picked, say, is none of the picture's business
         }
         self.touch();
+        self.relight_preview();
         if self.asked.is_none() && spec.same_primitives(&self.built.spec) {
             self.built = Arc::new(self.built.relit(spec));
             if self.work.fitted {
@@ -390,11 +400,15 @@ impl State {
         let is_next_frame = built.spec.differs_by_frames(&self.built.spec);
         self.work.scene.pose = if built.drawn.is_empty() { None } else { Some(built.scene.pose) };
         self.built = Arc::new(built);
+        if !self.work.layers.is_empty() {
+            self.preview = None;
+        }
         picking::keep_what_is_there(self);
         if self.work.fitted && !is_next_frame {
             self.fit();
         } else {
-            self.work.camera.fit_depths(&self.built.scene);
+            let scene = Arc::clone(self.scene());
+            self.work.camera.fit_depths(&scene);
         }
         if let Some(viewpoint) = self.options.viewpoint.take() {
             self.work.camera = viewpoint.camera(&self.built.scene);
@@ -406,15 +420,22 @@ impl State {
     /// Says why there is no picture of what was asked for, and stops playing: a damaged frame would be met in every round.
     fn give_up_frame(&mut self, error: &Error) {
         self.playing.on = false;
+        self.drop_preview(None);
         self.complain(error.to_string());
     }
 
     /// The camera that has everything in the picture.
-    fn fit(&mut self) {
-        self.work.camera = self.built.scene.fitted_camera(self.view_px[0] as f32 / self.view_px[1] as f32);
-        if self.work.scene.perspective != self.built.scene.perspective {
-            self.work.camera = self.work.camera.with_toggled_projection(crate::scene::fit::FOV_Y_RAD);
+    pub(super) fn fit(&mut self) {
+        let scene = self.fitted_scene();
+        let is_other = self.work.scene.perspective != scene.perspective;
+        let mut camera = scene.fitted_camera(self.view_px[0] as f32 / self.view_px[1] as f32);
+        if is_other {
+            camera = camera.with_toggled_projection(crate::scene::fit::FOV_Y_RAD);
         }
+        if let Some(preview) = &self.preview {
+            preview.reach(&mut camera);
+        }
+        self.work.camera = camera;
         self.touch();
     }
 
@@ -460,6 +481,8 @@ impl State {
 
     /// The effort of a finished picture.
     pub(super) fn fine(&self, quality: Quality) -> Settings {
+        // What is gone soon is not worth light from afar, for which the file would have to wait.
+        let quality = if self.preview.is_some() { Quality::Draft } else { quality };
         let settings = quality.settings();
         if self.work.scene.depth_of_field.is_some() { settings.through_lens() } else { settings }
     }

@@ -23,14 +23,16 @@ const NUMBERS: usize = 20;
 /// Whether lines begin as a GRO file does.
 pub(super) fn is_gro(lines: &[&[u8]]) -> bool {
     let counts = lines.get(1).is_some_and(|line| parse_i64(line.trim_ascii()).is_some_and(|count| count >= 0));
-    let labels = |line: &[u8]| {
-        let number = field(line, 15, 20);
-        (number.is_empty() || parse_i64(number).is_some())
-            && (columns(line, 0, 5).iter().all(|byte| byte.is_ascii_digit() || *byte == b' '))
-            && columns(line, 5, 15).iter().any(u8::is_ascii_alphabetic)
-    };
-    counts
-        && lines.get(2).is_some_and(|line| labels(line) && width_of(line).is_some_and(|w| position(line, w).is_some()))
+    counts && lines.get(2).is_some_and(|line| is_atom(line))
+}
+
+/// Whether a line looks like an atom: labels in their columns, and a position behind them.
+pub(super) fn is_atom(line: &[u8]) -> bool {
+    let number = field(line, 15, 20);
+    let has_labels = (number.is_empty() || parse_i64(number).is_some())
+        && columns(line, 0, 5).iter().all(|byte| byte.is_ascii_digit() || *byte == b' ')
+        && columns(line, 5, 15).iter().any(u8::is_ascii_alphabetic);
+    has_labels && width_of(line).is_some_and(|width| position(line, width).is_some())
 }
 
 /// The width of the numbers' columns: the distance of the first two decimal points.

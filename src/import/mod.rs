@@ -6,6 +6,8 @@
 //! Triangle meshes, which are no molecules, have a way of their own: [`mesh`]. So have trajectories, whose atoms another file lists: [`trajectory`].
 //! Frames come from a [`Document`] wherever they are, in memory or in a trajectory on disk: [`Document::at_frame`].
 //!
+//! Of large files there is a [`Glimpse`] before they are read.
+//!
 //! Readers never guess bonds: they hand on those the file states and say whether the list is whole. They are lenient
 //! in layout and strict in values: what cannot be read is left out, with a diagnostic that names the line. An
 //! [`Error`] is returned only where no molecule can be had, or a limit would be passed.
@@ -21,6 +23,7 @@ mod cube;
 mod decompress;
 mod detect;
 mod file;
+mod glimpse;
 mod gro;
 mod json;
 pub mod mesh;
@@ -36,6 +39,7 @@ mod xyz;
 
 use crate::error::{Error, Result};
 use crate::structure::{Diagnostic, Diagnostics, Frame, Structure};
+pub use glimpse::Glimpse;
 use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;

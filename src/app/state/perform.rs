@@ -32,16 +32,18 @@ impl State {
         match action {
             Action::OpenDialog => self.requests.push(Request::Open),
             Action::Open(path) => self.open(path),
-            Action::OpenInput(input) => self.loader.start(Source::File(input), self.work.crystal, None),
+            Action::OpenInput(input) => self.read(Source::File(input), None),
             Action::OpenSample(number) => {
                 if let Some(sample) = SAMPLES.get(number) {
-                    self.loader.start(Source::Sample(sample), self.work.crystal, None);
+                    self.read(Source::Sample(sample), None);
                 }
             }
             Action::Reload => self.reload(),
             Action::Add(layer) => {
                 // In the order in which they were asked for, whichever was read first.
                 let at = work.layers.partition_point(|other| other.id < layer.id);
+                let pose = self.preview.as_ref().and_then(|preview| preview.pose_of(layer.id));
+                work.scene.pose = work.scene.pose.or(pose.filter(|_| work.layers.is_empty()));
                 work.layers.insert(at, *layer);
             }
             Action::Replace(layer) => {
@@ -66,13 +68,13 @@ impl State {
                 self.fit();
             }
             Action::Center => {
-                let point = picking::middle(self).unwrap_or_else(|| self.built.scene.bounds().center());
+                let point = picking::middle(self).unwrap_or_else(|| self.scene().bounds().center());
                 self.center_on(point);
             }
             Action::CenterOn(point) => self.center_on(point),
             Action::Camera(camera) => self.move_camera(|old| *old = camera),
             Action::Turn(right, up) => {
-                let upright = self.built.scene.ground.is_some();
+                let upright = self.scene().ground.is_some();
                 self.move_camera(|camera| {
                     // Twelve steps are half a turn.
                     navigate::orbit(camera, f32::from(right), -f32::from(up), 12.0, upright);
@@ -238,8 +240,14 @@ impl State {
         } else if trajectory::is_trajectory(&path) {
             self.open_trajectory(path);
         } else {
-            self.loader.start(Source::of(path), self.work.crystal, None);
+            self.read(Source::of(path), None);
         }
+    }
+
+    /// Begins to read a file, in place of a layer or as one more.
+    fn read(&mut self, source: Source, replaces: Option<u32>) {
+        let preview = self.preview_options().filter(|_| replaces.is_none());
+        self.loader.start(source, self.work.crystal, replaces, preview);
     }
 
     /// A trajectory goes with the last file that was opened, behind the trajectories that this has.
@@ -251,17 +259,17 @@ impl State {
         match of_file {
             Some((id, mut input)) => {
                 input.trajectories.push(path);
-                self.loader.start(Source::File(input), self.work.crystal, Some(id));
+                self.read(Source::File(input), Some(id));
             }
             // It says what is missing.
-            None => self.loader.start(Source::File(Input::of(path)), self.work.crystal, None),
+            None => self.read(Source::File(Input::of(path)), None),
         }
     }
 
     fn reload(&mut self) {
-        for layer in &self.work.layers {
+        for layer in self.work.layers.clone() {
             if let Source::File(_) = layer.source {
-                self.loader.start(layer.source.clone(), self.work.crystal, Some(layer.id));
+                self.read(layer.source, Some(layer.id));
             }
         }
     }
@@ -269,14 +277,15 @@ impl State {
     /// Reads the file of one layer again, which has changed.
     pub(in crate::app) fn reload_one(&mut self, id: u32) {
         if let Some(layer) = self.work.layer(id) {
-            self.loader.start(layer.source.clone(), self.work.crystal, Some(id));
+            self.read(layer.source.clone(), Some(id));
             self.by_itself.insert(id);
         }
     }
 
     fn move_camera(&mut self, change: impl FnOnce(&mut Camera)) {
+        let scene = Arc::clone(self.scene());
         change(&mut self.work.camera);
-        self.work.camera.fit_depths(&self.built.scene);
+        self.work.camera.fit_depths(&scene);
         self.work.fitted = false;
     }
 

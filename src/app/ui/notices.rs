@@ -2,6 +2,7 @@
 
 use crate::app::action::Action;
 use crate::app::loader::{Load, Stage};
+use crate::app::preview::Preview;
 use crate::app::state::State;
 use egui::{Align2, Area, Frame, Id, Rect, RichText, Ui, Vec2};
 
@@ -33,10 +34,12 @@ pub(super) fn show(ui: &Ui, rect: Rect, state: &mut State, actions: &mut Vec<Act
         .constrain_to(rect)
         .show(ctx, |ui| {
             for load in state.loader.under_way() {
-                reading(ui, load, actions);
+                let preview = state.preview.as_ref().filter(|preview| preview.load == load.id);
+                reading(ui, load, preview.map(Preview::says), actions);
             }
             if state.is_building() {
-                busy(ui, "Making the picture's parts", 0.8, Action::Cancel, actions);
+                let preview = state.preview.as_ref().map(Preview::says);
+                busy(ui, "Making the picture's parts", preview, 0.8, Action::Cancel, actions);
             }
             if !state.pictures.under_way.is_empty() {
                 plate(ui, |ui| {
@@ -47,7 +50,7 @@ pub(super) fn show(ui: &Ui, rect: Rect, state: &mut State, actions: &mut Vec<Act
                 let (done, total) = (film.done.load(std::sync::atomic::Ordering::Relaxed), film.total);
                 let name = film.path.file_name().unwrap_or(film.path.as_os_str()).to_string_lossy();
                 let text = format!("Drawing {name}: {done} of {total}");
-                busy(ui, &text, done as f32 / total.max(1) as f32, Action::StopAnimations, actions);
+                busy(ui, &text, None, done as f32 / total.max(1) as f32, Action::StopAnimations, actions);
             }
             for (index, notice) in state.notices.iter().enumerate() {
                 plate(ui, |ui| {
@@ -83,10 +86,10 @@ fn plate(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     });
 }
 
-fn reading(ui: &mut Ui, load: &Load, actions: &mut Vec<Action>) {
+fn reading(ui: &mut Ui, load: &Load, preview: Option<String>, actions: &mut Vec<Action>) {
     let name = load.source.name();
     let waited = load.started.elapsed().as_secs_f32();
-    if waited < SOON {
+    if waited < SOON && preview.is_none() {
         return ui.ctx().request_repaint_after_secs(SOON - waited);
     }
     let (text, part) = match load.stage() {
@@ -94,12 +97,12 @@ fn reading(ui: &mut Ui, load: &Load, actions: &mut Vec<Action>) {
         Stage::Bonds => (format!("Finding the bonds of {name}"), 0.5),
         Stage::Done => (format!("Read {name}"), 0.75),
     };
-    busy(ui, &format!("{text}, {waited:.0} s"), part, Action::Cancel, actions);
+    busy(ui, &format!("{text}, {waited:.0} s"), preview, part, Action::Cancel, actions);
 }
 
-/// Something that takes long, how much of it is done, and what stops it. Of opening a file is known which of its steps are done, not how
+/// Something that takes long, how much of it is done, what there is to say beside, and what stops it. Of opening a file is known which of its steps are done, not how
 /// long they take.
-fn busy(ui: &mut Ui, text: &str, part: f32, stop: Action, actions: &mut Vec<Action>) {
+fn busy(ui: &mut Ui, text: &str, more: Option<String>, part: f32, stop: Action, actions: &mut Vec<Action>) {
     plate(ui, |ui| {
         ui.horizontal(|ui| {
             ui.label(text);
@@ -110,6 +113,9 @@ fn busy(ui: &mut Ui, text: &str, part: f32, stop: Action, actions: &mut Vec<Acti
             });
         });
         ui.add(egui::ProgressBar::new(part).desired_height(6.0));
+        if let Some(more) = more {
+            ui.weak(more);
+        }
     });
     // The seconds go on, and the stage changes without anybody's doing.
     ui.ctx().request_repaint_after_secs(0.2);

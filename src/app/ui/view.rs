@@ -145,7 +145,7 @@ fn drag(ui: &Ui, view: &View<'_>, response: &Response, memory: &mut Memory, acti
     let mut camera: Camera = view.state.work.camera;
     match what {
         Drag::Orbit => {
-            navigate::orbit(&mut camera, delta.x, delta.y, shorter, view.state.built.scene.ground.is_some());
+            navigate::orbit(&mut camera, delta.x, delta.y, shorter, view.state.scene().ground.is_some());
         }
         Drag::Pan => navigate::pan(&mut camera, delta.x, delta.y, height),
         // A drag over half the window is eight notches of the wheel.

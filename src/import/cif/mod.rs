@@ -27,7 +27,7 @@ mod component;
 mod crystal;
 pub(super) mod label;
 mod links;
-mod rows;
+pub(super) mod rows;
 pub(super) mod table;
 mod text;
 mod token;

@@ -221,7 +221,7 @@ fn out_of_step(line: u64, width: usize) -> Error {
 /// Eight bytes at a time: which of them are no blanks becomes bits, and the bits that differ from their neighbour are
 /// where values begin and end.
 #[inline]
-fn split_row<'a>(text: &'a [u8], at: usize, end: usize, values: &mut [Value<'a>]) -> bool {
+pub(in crate::import) fn split_row<'a>(text: &'a [u8], at: usize, end: usize, values: &mut [Value<'a>]) -> bool {
     let line = &text[at..end];
     // Lines shorter than a word, or too near the end of the text to be taken in words.
     if line.first() == Some(&b';') || text.len() - end < 8 {

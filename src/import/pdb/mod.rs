@@ -41,6 +41,11 @@ use number::NumberColumn;
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
+/// Whether an atom line has its position.
+pub(super) fn has_position(line: &[u8]) -> bool {
+    fields::position(line).is_some()
+}
+
 pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
     read_in_chunks(text, chunks::CHUNK_BYTES, rayon::current_num_threads(), records, diagnostics)
 }
