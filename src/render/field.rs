@@ -36,7 +36,7 @@ const NEIGHBOURS: usize = 64;
 
 /// By how much the shadow of a picture in motion may be too light, before it is eased: of full light 0.7 percent where it is dark, and 7.5 at the
 /// most. Measured: no channel of a picture of 100,000 atoms differs by more than 2 of 255, and its map takes half the time.
-const QUICK_SHADOW: f32 = 0.05;
+pub(super) const QUICK_SHADOW: f32 = 0.05;
 
 /// The primitives that shaded a point of the ground: they may well shade its neighbour.
 #[derive(Default)]
@@ -155,7 +155,7 @@ impl Field {
     }
 
     /// The ball around a slow one.
-    fn ball(&self, index: usize) -> (Vec3, f32) {
+    pub(super) fn ball(&self, index: usize) -> (Vec3, f32) {
         match self.solids.primitive(index) {
             Primitive::Cone(i) => {
                 let cone = &self.solids.cones[i];
@@ -247,16 +247,9 @@ impl Field {
     /// As [`Field::ground_shadow`]; `near` is a primitive that may give the shadow, which saves most of the search, and becomes the
     /// one that does. What would make the least by no more than `slack` less is not looked for.
     fn shadow_near(&self, frame: &FrameConstants, p: Vec3, near: &mut Option<u32>, slack: f32) -> f32 {
-        let to_light = Vec3::new(frame.key_in_world[0], frame.key_in_world[1], frame.key_in_world[2]);
-        let sharpness = frame.ground_map_size[2];
-        if to_light.y <= 0.0 {
+        let Some(way) = Way::to_light(frame, p, slack) else {
             return 1.0; // the light is below: it lights no ground, it casts no shadow on it
-        }
-        // What touches the ground shadows it at once; the way starts at a small part of the scene all the same.
-        let low = Vec3::new(frame.bounds_min[0], frame.bounds_min[1], frame.bounds_min[2]);
-        let high = Vec3::new(frame.bounds_max[0], frame.bounds_max[1], frame.bounds_max[2]);
-        let start = 1e-3 * (high - low).length();
-        let way = Way { p, to_light, start, sharpness, slack };
+        };
         let mut darkest = (1.0f32, None);
         if let Some(near) = *near {
             let (field, own, block_from_world) = self.home(near as usize);
@@ -278,7 +271,7 @@ impl Field {
         }
         let (visible, found) = darkest;
         *near = found.or(*near);
-        visible * visible * (3.0 - 2.0 * visible)
+        eased(visible)
     }
 
     /// The light that one of its own primitives lets through on the way to the light.
@@ -291,26 +284,28 @@ impl Field {
 
     /// The least light that its own primitives let through on the way to the light, and the primitive, if it is less than what is known.
     fn darken(&self, way: &Way, darkest: &mut (f32, Option<u32>)) {
-        let Way { p, to_light, start, sharpness, slack } = *way;
         self.hierarchy.visit(
             darkest,
             |&(visible, _), b: &Aabb| way.may_darken(b, visible),
-            |darkest, index| {
-                let i = index as usize;
-                if self.is_slow(i) {
-                    let (center, radius) = self.ball(i);
-                    let along = (center - p).dot(to_light);
-                    let beside = (center - p - to_light * along).length() - radius;
-                    if sharpness * beside >= (darkest.0 - slack) * (along + radius).max(start) {
-                        return;
-                    }
-                }
-                let light = self.light_past(way, i);
-                if light < darkest.0 {
-                    *darkest = (light, Some(index));
-                }
-            },
+            |darkest, index| self.darken_by(way, index, darkest),
         );
+    }
+
+    /// As [`Field::ground_shadow`] has it of one of its own primitives: the light that it lets through, if that is less than what is known.
+    pub(super) fn darken_by(&self, way: &Way, index: u32, darkest: &mut (f32, Option<u32>)) {
+        let (Way { p, to_light, start, sharpness, slack }, i) = (*way, index as usize);
+        if self.is_slow(i) {
+            let (center, radius) = self.ball(i);
+            let along = (center - p).dot(to_light);
+            let beside = (center - p - to_light * along).length() - radius;
+            if sharpness * beside >= (darkest.0 - slack) * (along + radius).max(start) {
+                return;
+            }
+        }
+        let light = self.light_past(way, i);
+        if light < darkest.0 {
+            *darkest = (light, Some(index));
+        }
     }
 
     /// How much of the sky a point of the ground sees, 0–1: by how much the field above it falls short of the height.
@@ -384,20 +379,36 @@ impl Field {
     }
 }
 
+/// The light that reaches the ground where so much is let through (0–1): as the disc of an area light fills.
+pub(super) fn eased(visible: f32) -> f32 {
+    visible * visible * (3.0 - 2.0 * visible)
+}
+
 /// A way from a point to the light.
 #[derive(Debug, Clone, Copy)]
-struct Way {
-    p: Vec3,
-    to_light: Vec3,
+pub(super) struct Way {
+    pub(super) p: Vec3,
+    /// Unit.
+    pub(super) to_light: Vec3,
     /// Where it begins.
-    start: f32,
+    pub(super) start: f32,
     /// Of the penumbra.
-    sharpness: f32,
+    pub(super) sharpness: f32,
     /// By how much the least light may be missed.
-    slack: f32,
+    pub(super) slack: f32,
 }
 
 impl Way {
+    /// From a point of the ground; `None` if the light is below it.
+    pub(super) fn to_light(frame: &FrameConstants, p: Vec3, slack: f32) -> Option<Way> {
+        let to_light = Vec3::new(frame.key_in_world[0], frame.key_in_world[1], frame.key_in_world[2]);
+        // What touches the ground shadows it at once; the way starts at a small part of the scene all the same.
+        let low = Vec3::new(frame.bounds_min[0], frame.bounds_min[1], frame.bounds_min[2]);
+        let high = Vec3::new(frame.bounds_max[0], frame.bounds_max[1], frame.bounds_max[2]);
+        let start = 1e-3 * (high - low).length();
+        (to_light.y > 0.0).then_some(Way { p, to_light, start, sharpness: frame.ground_map_size[2], slack })
+    }
+
     /// The same way in another space.
     fn moved(&self, space_from_world: &Affine3A) -> Way {
         let p = space_from_world.transform_point3(self.p);

@@ -4,7 +4,7 @@
 use super::behind::Mask;
 use super::lanes::{LANES, Lanes};
 use super::shader::Shader;
-use crate::color::{Srgb8, bytes_from_linear};
+use crate::color::{Srgb8, levels_from_linear};
 use crate::render::frame::{ground_fade, resolve, shade_background};
 use crate::scene::PixelGrid;
 use glam::{Vec2, Vec4};
@@ -80,7 +80,7 @@ impl Row<'_> {
         for (unseen, &seen) in unseen.iter_mut().zip(seen) {
             *unseen = all - seen;
         }
-        let mut rgb = [[0u8; LANES]; 3];
+        let mut rgb = [[0.0f32; LANES]; 3];
         for part in 0..3 {
             let mut mean = [0.0f32; LANES];
             for (mean, &sum) in mean.iter_mut().zip(sums[part]) {
@@ -89,11 +89,9 @@ impl Row<'_> {
             for lane in 0..LANES {
                 mean[lane] = (mean[lane] + behind[part][lane] * unseen[lane]) / all;
             }
-            rgb[part] = bytes_from_linear(&mean);
+            rgb[part] = mean;
         }
-        for (i, pixel) in pixels.iter_mut().enumerate() {
-            *pixel = Srgb8::rgb(rgb[0][i], rgb[1][i], rgb[2][i]);
-        }
+        pixels.iter_mut().zip(bytes(&rgb)).for_each(|(pixel, shown)| *pixel = shown);
     }
 }
 
@@ -230,14 +228,14 @@ fn bytes(color: &[Lanes; 3]) -> [Srgb8; LANES] {
     for lane in 0..LANES {
         differ |= (red[lane].to_bits() ^ green[lane].to_bits()) | (red[lane].to_bits() ^ blue[lane].to_bits());
     }
-    let red = bytes_from_linear(red);
+    let red = levels_from_linear(red);
     // The ground mostly is grey.
-    let rgb = if differ == 0 { [red; 3] } else { [red, bytes_from_linear(green), bytes_from_linear(blue)] };
-    let mut pixels = [Srgb8::BLACK; LANES];
-    for (lane, pixel) in pixels.iter_mut().enumerate() {
-        *pixel = Srgb8::rgb(rgb[0][lane], rgb[1][lane], rgb[2][lane]);
+    let [green, blue] = if differ == 0 { [red; 2] } else { [levels_from_linear(green), levels_from_linear(blue)] };
+    let mut pixels = [0u32; LANES];
+    for lane in 0..LANES {
+        pixels[lane] = (red[lane] | green[lane] << 8 | blue[lane] << 16 | 0xFF00_0000).to_le();
     }
-    pixels
+    bytemuck::cast(pixels)
 }
 
 /// Linear colour of ground or background at plane coordinates.

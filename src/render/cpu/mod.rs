@@ -15,6 +15,7 @@ pub mod casters;
 mod clusters;
 mod facts;
 mod few;
+mod ground_in_motion;
 pub mod intersect;
 mod lanes;
 mod moved;
@@ -146,7 +147,7 @@ impl CpuRenderer {
             let Some(sky_frame) = sky_frame else { return (*frame, field.ground_map(frame)) };
             let kept = self.sky_map.take().filter(|(old, _)| old.same_ground_map(&sky_frame));
             let sky = self.sky_map.insert(kept.unwrap_or_else(|| (sky_frame, field.sky_map(&sky_frame))));
-            (*frame, field.quick_ground_map(frame, sky))
+            (*frame, ground_in_motion::quick_ground_map(field, frame, sky))
         }));
         map.clone()
     }

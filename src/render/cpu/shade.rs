@@ -181,12 +181,17 @@ fn gather(
     let blocks = GROUP / place.pass.side as usize;
     let mut samples =
         Samples { u: [0.0; LANES], v: [0.0; LANES], t: [f32::INFINITY; LANES], index: [0; LANES], seen: [0; LANES] };
-    let (t, index) = (tile.t.as_flattened().as_flattened(), tile.index.as_flattened().as_flattened());
-    let start = (row * blocks * SIDE + column * blocks) * LANES + sample;
-    for lane in 0..LANES {
-        let at = start + place.pass.group[lane];
-        samples.t[lane] = t[at];
-        samples.index[lane] = index[at];
+    if blocks == 1 {
+        // The group is a block, its samples in the same order.
+        (samples.t, samples.index) = (tile.t[row][column], tile.index[row][column]);
+    } else {
+        let (t, index) = (tile.t.as_flattened().as_flattened(), tile.index.as_flattened().as_flattened());
+        let start = (row * blocks * SIDE + column * blocks) * LANES + sample;
+        for lane in 0..LANES {
+            let at = start + place.pass.group[lane];
+            samples.t[lane] = t[at];
+            samples.index[lane] = index[at];
+        }
     }
     [samples.u, samples.v] = centers(place, sample, [row, column]);
     let beyond = shader.ground_beyond(place.grid.orthographic, &samples.u, &samples.v);
