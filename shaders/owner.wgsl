@@ -1,5 +1,7 @@
 // Whose a pixel is: what small.wgsl left, for the draws that shade it.
 
+#import "common.wgsl"
+
 // As in members.wgsl.
 @group(2) @binding(1) var<storage, read> arguments: array<u32, 16>;
 const FAR: u32 = 65535u;

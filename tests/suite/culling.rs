@@ -164,7 +164,7 @@ fn of_what_is_small_just_what_is_seen_is_found() {
     gpu.load(Arc::clone(&scene)).unwrap();
     for turn in [0.0, 0.4] {
         let view = View::new(scene.fitted_camera(1.5).turned(turn), 240, 160);
-        let ids = gpu.gbuffer(&view).unwrap().ids;
+        let ids = gpu.gbuffer(&view).unwrap().id;
         let seen: std::collections::HashSet<u32> = ids.into_iter().filter(|&id| id <= 120_000 && id > 0).collect();
         assert!(seen.len() > 1000);
         assert_eq!(gpu.listed_instances().unwrap(), seen.len() as u64);

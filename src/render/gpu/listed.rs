@@ -40,7 +40,8 @@ impl Listed {
             .collect();
         let boxes = gpu.buffer("cluster boxes", storage, bytemuck::cast_slice(&boxes));
         // Zeros: nothing was seen.
-        let masks = gpu.empty_buffer("cluster masks", storage | wgpu::BufferUsages::COPY_SRC, 4 * MASK_WORDS as u64 * clusters);
+        let masks =
+            gpu.empty_buffer("cluster masks", storage | wgpu::BufferUsages::COPY_SRC, 4 * MASK_WORDS as u64 * clusters);
         let starts = gpu.empty_buffer("cluster starts", storage, 4 * clusters);
         let list = gpu.empty_buffer("list", storage | wgpu::BufferUsages::VERTEX, 4 * u64::from(chunk.count));
         // As in shaders/members.wgsl.
@@ -48,7 +49,17 @@ impl Listed {
         let arguments = gpu.buffer("draw", storage | wgpu::BufferUsages::INDIRECT, bytemuck::bytes_of(&words));
         let cull_group = cull.group(gpu, [&chunk.buffer, &boxes, &masks, &starts, &list, &arguments]);
         let draw_group = cull.drawn_group(gpu, [&chunk.buffer, &arguments]);
-        Listed { place, clusters: clusters as u32, list, arguments, masks, first, count: chunk.count, cull_group, draw_group }
+        Listed {
+            place,
+            clusters: clusters as u32,
+            list,
+            arguments,
+            masks,
+            first,
+            count: chunk.count,
+            cull_group,
+            draw_group,
+        }
     }
 
     /// Number of the first instance after these.

@@ -78,6 +78,13 @@ impl ResolvePipeline {
         target: &wgpu::TextureView,
         region: Region,
     ) {
-        fullscreen(encoder, frame, ("resolve", &self.pipelines[usize::from(!frame.has_ground())]), &[inputs], target, region);
+        fullscreen(
+            encoder,
+            frame,
+            ("resolve", &self.pipelines[usize::from(!frame.has_ground())]),
+            &[inputs],
+            target,
+            region,
+        );
     }
 }
