@@ -44,7 +44,8 @@ impl Srgb8 {
     #[inline]
     #[must_use]
     pub fn to_linear(self) -> [f32; 3] {
-        [SRGB_TO_LINEAR[usize::from(self.r)], SRGB_TO_LINEAR[usize::from(self.g)], SRGB_TO_LINEAR[usize::from(self.b)]]
+        let linear = linear_levels();
+        [linear[usize::from(self.r)], linear[usize::from(self.g)], linear[usize::from(self.b)]]
     }
 
     /// The nearest colour to a linear one; channels outside 0–1 (and NaN, as 0) are clamped.
@@ -157,6 +158,13 @@ fn power_5_12(x: f32) -> f32 {
     let exp = 1.0 + r * (1.0 + r * (0.5 + r * (1.0 / 6.0 + r * series)));
     // Times 2^n.
     f32::from_bits(exp.to_bits().wrapping_add(((n + 8_388_608.0 + 256.0).to_bits() << 23).wrapping_sub(256 << 23)))
+}
+
+/// The linear value of each sRGB byte. For many colours it is fetched once.
+#[inline]
+#[must_use]
+pub fn linear_levels() -> &'static [f32; 256] {
+    &SRGB_TO_LINEAR
 }
 
 static SRGB_TO_LINEAR: std::sync::LazyLock<[f32; 256]> =

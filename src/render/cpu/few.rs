@@ -7,7 +7,8 @@
 use super::intersect::FLAT_CAPS;
 use super::intersect::{flat_cylinder_t, sphere_entry};
 use super::lanes::{LANES, Lanes};
-use super::tile::{Place, SAMPLES, SIDE, Tile, ray};
+use super::looks::{NO_ENDS, StickSurface};
+use super::tile::{Place, SAMPLES, SIDE, Tile, hit_at, ray};
 use crate::math::rotation_to_y;
 use crate::render::solids::{Cylinder, Sphere};
 use glam::Vec3;
@@ -20,44 +21,60 @@ pub(super) const SLACK: f32 = 0.02;
 
 /// Something small, told by so many numbers.
 pub(super) trait Kind<const N: usize> {
+    /// Whether the depth is found of all sixteen at once, although not all of them cover a pixel: of what is quickly found. Else samples that
+    /// may be covered are listed first.
+    const AT_ONCE: bool;
+
     /// Whether it may cover a point of the full picture. Of each number that of one thing.
     fn covers(numbers: &[f32; N], x: f32, y: f32) -> bool;
 
     /// Its depth along the ray of plane coordinates; it lies beyond `near`.
     fn t<const PARALLEL: bool>(numbers: &[f32; N], u: f32, v: f32, near: f32) -> f32;
+
+    /// Its normal, and the bytes of its colour, where it is hit.
+    fn looks(numbers: &[f32; N], hit: Vec3) -> (Vec3, u32);
 }
 
-/// A ball: its middle and the square of its radius in the picture, pixels; centre in view space, and radius.
+/// A ball: its middle and the square of its radius in the picture, pixels; centre in view space, and radius; the bits of its colour.
 pub(super) enum Ball {}
 
-impl Kind<7> for Ball {
+impl Kind<8> for Ball {
+    const AT_ONCE: bool = true;
+
     #[inline(always)]
-    fn covers(&[middle_x, middle_y, reach, ..]: &[f32; 7], x: f32, y: f32) -> bool {
+    fn covers(&[middle_x, middle_y, reach, ..]: &[f32; 8], x: f32, y: f32) -> bool {
         let (x, y) = (x - middle_x, y - middle_y);
         x * x + y * y <= reach
     }
 
     #[inline(always)]
-    fn t<const PARALLEL: bool>(&[_, _, _, x, y, z, radius]: &[f32; 7], u: f32, v: f32, _near: f32) -> f32 {
+    fn t<const PARALLEL: bool>(&[_, _, _, x, y, z, radius, _]: &[f32; 8], u: f32, v: f32, _near: f32) -> f32 {
         sphere_entry(&ray::<PARALLEL>(u, v), &Sphere { center: Vec3::new(x, y, z), radius })
+    }
+
+    #[inline(always)]
+    fn looks(&[_, _, _, x, y, z, _, color]: &[f32; 8], hit: Vec3) -> (Vec3, u32) {
+        (hit - Vec3::new(x, y, z), color.to_bits())
     }
 }
 
 /// A stick with flat caps: the rectangle around it in the picture, pixels (its middle, its half sides, the direction of the first); its
-/// centre in view space, its axis from end to end, of unit length, half its length, and radius.
+/// centre in view space, its axis from end to end, of unit length, half its length, and radius; the bits of the colours of its halves.
 pub(super) enum Stick {}
 
-impl Kind<14> for Stick {
+impl Kind<16> for Stick {
+    const AT_ONCE: bool = false;
+
     #[inline(always)]
-    fn covers(&[middle_x, middle_y, half_x, half_y, along_x, along_y, ..]: &[f32; 14], x: f32, y: f32) -> bool {
+    fn covers(&[middle_x, middle_y, half_x, half_y, along_x, along_y, ..]: &[f32; 16], x: f32, y: f32) -> bool {
         let (x, y) = (x - middle_x, y - middle_y);
         let (run, aside) = (x * along_x + y * along_y, x * along_y - y * along_x);
         (run.abs() <= half_x + SLACK) & (aside.abs() <= half_y + SLACK)
     }
 
     #[inline(always)]
-    fn t<const PARALLEL: bool>(numbers: &[f32; 14], u: f32, v: f32, near: f32) -> f32 {
-        let &[_, _, _, _, _, _, x, y, z, axis_x, axis_y, axis_z, half_length, radius] = numbers;
+    fn t<const PARALLEL: bool>(numbers: &[f32; 16], u: f32, v: f32, near: f32) -> f32 {
+        let &[_, _, _, _, _, _, x, y, z, axis_x, axis_y, axis_z, half_length, radius, ..] = numbers;
         let cylinder = Cylinder {
             center: Vec3::new(x, y, z),
             cylinder_from_space: rotation_to_y(Vec3::new(axis_x, axis_y, axis_z)),
@@ -67,6 +84,15 @@ impl Kind<14> for Stick {
             hidden: 0,
         };
         flat_cylinder_t(&ray::<PARALLEL>(u, v), &cylinder, near)
+    }
+
+    #[inline(always)]
+    fn looks(numbers: &[f32; 16], hit: Vec3) -> (Vec3, u32) {
+        let &[_, _, _, _, _, _, x, y, z, axis_x, axis_y, axis_z, half_length, radius, first, second] = numbers;
+        let (center, axis) = (Vec3::new(x, y, z), Vec3::new(axis_x, axis_y, axis_z));
+        let surface = StickSurface { center, axis, radius, caps: [-half_length, half_length], ends: NO_ENDS };
+        let (normal, is_second) = surface.at_one(hit);
+        (normal, if is_second { second.to_bits() } else { first.to_bits() })
     }
 }
 
@@ -176,6 +202,10 @@ impl<K: Kind<N>, const N: usize> Waiting<K, N> {
                 let is_asked = (may[lane] != 0) & (self.nearest[lane] <= before[lane]);
                 bits |= u32::from(is_asked) << lane;
             }
+            if K::AT_ONCE && bits != 0 {
+                self.see_at_once::<PARALLEL>((&at, &u, &v), (bits, &before), tile, place.near);
+                bits = 0;
+            }
             while bits != 0 {
                 let lane = bits.trailing_zeros() as usize % LANES;
                 bits &= bits - 1;
@@ -200,22 +230,56 @@ impl<K: Kind<N>, const N: usize> Waiting<K, N> {
         self.count = 0;
     }
 
+    /// Finds the depths of all sixteen where they are asked in samples `at`, and of those with a bit sees what is no farther than `before`.
+    #[inline(always)]
+    fn see_at_once<const PARALLEL: bool>(
+        &self,
+        (at, u, v): (&[u32; LANES], &Lanes, &Lanes),
+        (asked, before): (u32, &Lanes),
+        tile: &mut Tile,
+        near: f32,
+    ) {
+        let (mut depth, mut normal, mut color) = ([0.0f32; LANES], [[0.0f32; LANES]; 3], [0u32; LANES]);
+        let mut bits = 0u32;
+        for lane in 0..LANES {
+            let mut numbers = [0.0; N];
+            for (number, lanes) in numbers.iter_mut().zip(&self.numbers) {
+                *number = lanes[lane];
+            }
+            depth[lane] = K::t::<PARALLEL>(&numbers, u[lane], v[lane], near);
+            let (n, c) = K::looks(&numbers, hit_at::<PARALLEL>(u[lane], v[lane], depth[lane]));
+            (normal[0][lane], normal[1][lane], normal[2][lane], color[lane]) = (n.x, n.y, n.z, c);
+            bits |= u32::from(depth[lane] <= before[lane]) << lane;
+        }
+        bits &= asked;
+        while bits != 0 {
+            let lane = bits.trailing_zeros() as usize % LANES;
+            bits &= bits - 1;
+            let looks = ([normal[0][lane], normal[1][lane], normal[2][lane]], color[lane]);
+            tile.see_at(at[lane] as usize, (depth[lane], self.index[lane]), looks);
+        }
+    }
+
     /// Finds the depths of the first sixteen that are listed, and takes them from the list.
     #[inline(always)]
     fn see<const PARALLEL: bool>(&self, listed: &mut Listed, tile: &mut Tile, near: f32) {
-        let mut depth = [0.0f32; LANES];
-        for (lane, depth) in depth.iter_mut().enumerate() {
+        let (mut depth, mut normal, mut color) = ([0.0f32; LANES], [[0.0f32; LANES]; 3], [0u32; LANES]);
+        for lane in 0..LANES {
             let of = listed.of[lane] as usize % LANES;
             let mut numbers = [0.0; N];
             for (number, lanes) in numbers.iter_mut().zip(&self.numbers) {
                 *number = lanes[of];
             }
-            *depth = K::t::<PARALLEL>(&numbers, listed.u[lane], listed.v[lane], near);
+            let (u, v) = (listed.u[lane], listed.v[lane]);
+            depth[lane] = K::t::<PARALLEL>(&numbers, u, v, near);
+            let (n, c) = K::looks(&numbers, hit_at::<PARALLEL>(u, v, depth[lane]));
+            (normal[0][lane], normal[1][lane], normal[2][lane], color[lane]) = (n.x, n.y, n.z, c);
         }
         let count = listed.count.min(LANES);
         for (lane, &depth) in depth.iter().enumerate().take(count) {
             let of = listed.of[lane] as usize % LANES;
-            tile.see_at(listed.at[lane] as usize, depth, self.index[of]);
+            let looks = ([normal[0][lane], normal[1][lane], normal[2][lane]], color[lane]);
+            tile.see_at(listed.at[lane] as usize, (depth, self.index[of]), looks);
         }
         listed.count -= count;
         for lane in 0..LANES {

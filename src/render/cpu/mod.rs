@@ -18,6 +18,7 @@ mod few;
 mod ground_in_motion;
 pub mod intersect;
 mod lanes;
+mod looks;
 mod moved;
 mod packs;
 mod reach;

@@ -6,15 +6,14 @@
 //! A picture asks the box of every pack, and of those that may be seen each primitive: the cost is that of what is on the
 //! screen, and a little for each pack. Everything else (cones, triangles) is few, and goes the way of [`super::binning`].
 
-use super::behind::Mask;
 use super::binning::{Bins, Candidate, Framing, share_out};
-use super::facts::{Fact, Raw};
+use super::facts::Fact;
 use super::intersect::FLAT_CAPS;
 use super::lanes::{LANES, Lanes};
-use super::simd::prefetch;
 use super::small::{Queues, Window, draw_balls, draw_sticks};
 use super::source::{Facts, Source};
 use super::tile::{Place, Tile};
+use crate::color::Srgb8;
 use crate::math::Aabb;
 use crate::render::outline::Outline;
 use crate::render::settings::View;
@@ -22,7 +21,6 @@ use crate::render::solids::{Cylinder, Solids, Sphere, Torus, is_see_through};
 use crate::scene::{Block, CylinderInstance, Scene, SphereInstance, TorusInstance};
 use glam::{Affine3A, Vec3, Vec3A};
 use rayon::prelude::*;
-use std::mem::offset_of;
 use std::ops::Range;
 
 /// Balls, sticks and rings of a pack. Chosen, other numbers were not tried: 32 atoms of a protein with their bonds are some 9 Å wide, and a million
@@ -58,6 +56,9 @@ struct BlockPacks {
     balls: [Vec<f32>; 4],
     /// Ends and radii of the sticks likewise, 28 bytes each.
     sticks: [Vec<f32>; 7],
+    /// Colours of the balls and of the halves of the sticks in the same order, 4 and 8 bytes each.
+    ball_colors: Vec<Srgb8>,
+    stick_colors: Vec<[Srgb8; 2]>,
 }
 
 /// The packs of a scene's blocks.
@@ -173,12 +174,23 @@ impl BlockPacks {
             stick(&|c| c.b[2]),
             stick(&|c| c.radius),
         ];
+        let ordered = order.iter().map(|&(_, i)| kind(i as usize));
+        let (mut ball_colors, mut stick_colors) =
+            (Vec::with_capacity(spheres.len()), Vec::with_capacity(cylinders.len()));
+        for member in ordered {
+            match member {
+                Member::Sphere(sphere) => ball_colors.push(sphere.color),
+                Member::Cylinder(cylinder) => stick_colors.push([cylinder.color_a, cylinder.color_b]),
+                Member::Torus(_) => {}
+            }
+        }
         let own = |i: u32| match kind(i as usize) {
             Member::Sphere(_) => i,
             Member::Cylinder(_) => i - first_cylinder,
             Member::Torus(_) => i - first_torus as u32,
         };
-        BlockPacks { packs, members: order.iter().map(|&(_, i)| own(i)).collect(), balls, sticks }
+        let members = order.iter().map(|&(_, i)| own(i)).collect();
+        BlockPacks { packs, members, balls, sticks, ball_colors, stick_colors }
     }
 }
 
@@ -216,6 +228,18 @@ impl Placed<'_> {
     pub(super) fn balls(&self, first: usize) -> [&Lanes; 4] {
         let [x, y, z, radius] = &self.packs.balls;
         [lanes_at(x, first), lanes_at(y, first), lanes_at(z, first), lanes_at(radius, first)]
+    }
+
+    /// The colour of a ball of the packs.
+    #[inline(always)]
+    pub(super) fn ball_color(&self, number: usize) -> Srgb8 {
+        self.packs.ball_colors.get(number).copied().unwrap_or(Srgb8::BLACK)
+    }
+
+    /// The colours of the halves of a stick of the packs.
+    #[inline(always)]
+    pub(super) fn stick_colors(&self, number: usize) -> [Srgb8; 2] {
+        self.packs.stick_colors.get(number).copied().unwrap_or([Srgb8::BLACK; 2])
     }
 
     /// [`LANES`] sticks of the packs: coordinates of both their ends, and their radii.
@@ -404,7 +428,8 @@ impl<'a> Packed<'a> {
         members: &[u32],
     ) {
         for &i in members {
-            let Some(torus) = Torus::new(&placed.block.tori[i as usize], &placed.view_from_block) else { continue };
+            let instance = &placed.block.tori[i as usize];
+            let Some(torus) = Torus::new(instance, &placed.view_from_block) else { continue };
             let index = placed.first_torus + i;
             let around = Sphere { center: torus.center, radius: torus.ring_radius + torus.tube_radius };
             let Some(whole) = self.framing.sphere(index, &around) else { continue };
@@ -412,24 +437,15 @@ impl<'a> Packed<'a> {
                 continue;
             }
             if whole.pixels[2] - whole.pixels[0] <= SMALL_RING {
-                tile.draw_torus::<PARALLEL>(place, &whole, &torus);
+                tile.draw_torus::<PARALLEL>(place, &whole, (&torus, instance.color));
                 continue;
             }
             for piece in self.framing.torus(index, torus) {
-                tile.draw_torus::<PARALLEL>(place, &piece, &torus);
+                tile.draw_torus::<PARALLEL>(place, &piece, (&torus, instance.color));
             }
         }
     }
 }
-
-/// Words of a [`SphereInstance`] and of a [`CylinderInstance`], and at which of them what it is stands in the two.
-const WORDS: [usize; 2] = [size_of::<SphereInstance>() / 4, size_of::<CylinderInstance>() / 4];
-const END_A: [usize; 2] = [offset_of!(SphereInstance, center) / 4, offset_of!(CylinderInstance, a) / 4];
-const END_B: [usize; 2] = [END_A[0], offset_of!(CylinderInstance, b) / 4];
-const RADIUS: [usize; 2] = [offset_of!(SphereInstance, radius) / 4, offset_of!(CylinderInstance, radius) / 4];
-const COLOR_A: [usize; 2] = [offset_of!(SphereInstance, color) / 4, offset_of!(CylinderInstance, color_a) / 4];
-const COLOR_B: [usize; 2] = [COLOR_A[0], offset_of!(CylinderInstance, color_b) / 4];
-const CAPS: usize = offset_of!(CylinderInstance, caps) / 4;
 
 /// Rings of no more pixels are not drawn in pieces: all would lie in the same few blocks of samples. Chosen.
 const SMALL_RING: u16 = 12;
@@ -456,58 +472,8 @@ impl Facts for Packed<'_> {
         if is_cone { index - self.first_cone } else { index - self.first_triangle + self.others.cones.len() as u32 }
     }
 
-    fn prefetch(&self, indices: &[u32; LANES]) {
-        // Of several placements it would have to be found out first which one it is.
-        let [placed] = self.placed.as_slice() else { return };
-        for &index in indices {
-            if index < self.first_cylinder {
-                prefetch(&placed.block.spheres, index as usize);
-            } else {
-                prefetch(&placed.block.cylinders, (index - self.first_cylinder) as usize);
-            }
-        }
-    }
-
-    fn raw(&self, indices: &[u32; LANES], lanes: &Mask) -> Option<Raw<'_>> {
-        let first = indices.iter().zip(lanes).find(|&(&i, &lane)| lane != 0 && i < self.first_cone)?;
-        let placed = match *first.0 < self.first_cylinder {
-            true => self.place_of(*first.0, |placed| placed.first_sphere).0,
-            false => self.place_of(*first.0, |placed| placed.first_cylinder).0,
-        };
-        let (balls, sticks) = (&placed.block.spheres, &placed.block.cylinders);
-        let mut raw = Raw::new(&placed.view_from_block);
-        // As words: which of the two it is then makes no branch.
-        let words: [&[u32]; 2] = [bytemuck::cast_slice(balls), bytemuck::cast_slice(sticks)];
-        let (mut is_stick, mut at) = ([0; LANES], [0; LANES]);
-        for lane in 0..LANES {
-            let (ball, stick) =
-                (indices[lane].wrapping_sub(placed.first_sphere), indices[lane].wrapping_sub(placed.first_cylinder));
-            let [known_ball, known_stick] = [(ball as usize) < balls.len(), (stick as usize) < sticks.len()];
-            raw.lanes[lane] = if known_ball | known_stick { lanes[lane] } else { 0 };
-            is_stick[lane] = usize::from(!known_ball);
-            at[lane] = if known_ball { ball as usize * WORDS[0] } else { stick as usize * WORDS[1] };
-        }
-        // One word of all, then the next, so that what is not in the caches is waited for at the same time.
-        let word = |lane: usize, [of_ball, of_stick]: [usize; 2]| {
-            let is_stick: usize = is_stick[lane];
-            words[is_stick].get(at[lane] + [of_ball, of_stick][is_stick]).copied().unwrap_or_default()
-        };
-        for lane in 0..LANES {
-            raw.ends[0][0][lane] = f32::from_bits(word(lane, END_A));
-        }
-        for lane in 0..LANES {
-            raw.colors[1][lane] = word(lane, COLOR_B);
-        }
-        for (lane, &is_stick) in is_stick.iter().enumerate() {
-            raw.colors[0][lane] = word(lane, COLOR_A);
-            raw.radius[lane] = f32::from_bits(word(lane, RADIUS));
-            raw.caps[lane] = if is_stick == 0 { 0 } else { word(lane, [0, CAPS]) };
-            for axis in 0..3 {
-                raw.ends[0][axis][lane] = f32::from_bits(word(lane, END_A.map(|start| start + axis)));
-                raw.ends[1][axis][lane] = f32::from_bits(word(lane, END_B.map(|start| start + axis)));
-            }
-        }
-        Some(raw)
+    fn tells_looks(&self) -> bool {
+        true
     }
 
     fn fact(&self, index: u32) -> Fact {
@@ -672,12 +638,8 @@ impl Facts for Any<'_> {
         self.0.of_shader(index)
     }
 
-    fn prefetch(&self, indices: &[u32; LANES]) {
-        self.0.prefetch(indices);
-    }
-
-    fn raw(&self, _: &[u32; LANES], _: &Mask) -> Option<Raw<'_>> {
-        None // lines are not told apart there
+    fn tells_looks(&self) -> bool {
+        false // lines are not told apart there
     }
 
     fn fact(&self, index: u32) -> Fact {

@@ -123,7 +123,7 @@ fn packs_draw_the_picture_of_all_primitives() {
 fn every_ball_stick_and_ring_is_in_one_pack_and_in_its_box() {
     let block = block(3, 5000, 40.0);
     let of_block = BlockPacks::new(&block);
-    let BlockPacks { packs, members, balls, sticks } = &of_block;
+    let BlockPacks { packs, members, balls, sticks, ball_colors, stick_colors } = &of_block;
     let (mut spheres, mut cylinders) = (vec![0; block.spheres.len()], vec![0; block.cylinders.len()]);
     let mut tori = vec![0; block.tori.len()];
     for pack in packs {
@@ -139,7 +139,7 @@ fn every_ball_stick_and_ring_is_in_one_pack_and_in_its_box() {
             let ball = &block.spheres[i as usize];
             holds(ball.bounds());
             assert_eq!([balls[0][at], balls[1][at], balls[2][at]], ball.center);
-            assert_eq!(balls[3][at], ball.radius);
+            assert_eq!((balls[3][at], ball_colors[at]), (ball.radius, ball.color));
         }
         for (&i, at) in members[middle..end].iter().zip(pack.first_stick as usize..) {
             cylinders[i as usize] += 1;
@@ -147,7 +147,7 @@ fn every_ball_stick_and_ring_is_in_one_pack_and_in_its_box() {
             holds(stick.bounds());
             assert_eq!([sticks[0][at], sticks[1][at], sticks[2][at]], stick.a);
             assert_eq!([sticks[3][at], sticks[4][at], sticks[5][at]], stick.b);
-            assert_eq!(sticks[6][at], stick.radius);
+            assert_eq!((sticks[6][at], stick_colors[at]), (stick.radius, [stick.color_a, stick.color_b]));
         }
         for &i in &members[end..end + usize::from(pack.tori)] {
             tori[i as usize] += 1;

@@ -1,9 +1,6 @@
 //! From what the samples of a tile see to light: the vector twin of [`super::shader::Shader`].
 //!
 //! A vector holds 4 × 4 pixels, one sample of each: they ask the same directions of the sky.
-//!
-//! The normal comes from the hit's place ([`super::facts`]), not from solving again, so that it is off by the rounding of the depth:
-//! 1e-4 of a stick's radius at 100 Å, less than a colour can show.
 
 use super::backdrop::Backdrop;
 use super::behind::Mask;
@@ -23,9 +20,6 @@ use glam::Vec3;
 
 /// Pixels on a side of what is worked on together.
 pub(super) const GROUP: usize = 4;
-
-/// Groups that lie between one that is worked on and the one whose primitives the caches shall fetch. Measured.
-const AHEAD: usize = 2;
 
 /// One sample of each pixel of a group.
 struct Samples {
@@ -67,7 +61,8 @@ pub(super) fn add(
                 if !any(&samples.seen) {
                     continue;
                 }
-                let (surfaces, mut points) = surfaces((shader, &mut memo), place, samples);
+                let told = told(source, place, tile, (sample, &samples.seen), [row, column]);
+                let (surfaces, mut points) = surfaces((shader, &mut memo), place, (samples, told));
                 questions.ask(&mut points, number, unasked);
                 let light = light(shader, place.grid.orthographic, &surfaces, &points);
                 let seen: Lanes = surfaces.samples.seen.map(|seen| if seen != 0 { 1.0 } else { 0.0 });
@@ -111,9 +106,6 @@ pub(super) fn finish(
         }
         for (column, start) in (0..width).step_by(GROUP).enumerate() {
             let is_touched = !is_empty && tile.touched[row][column];
-            if !is_empty && tile.touched[row][(column + AHEAD) % SIDE] {
-                source.prefetch(&tile.index[row][(column + AHEAD) % SIDE]);
-            }
             if !is_touched && (backdrop.is_plain() || flat.is_some()) {
                 continue;
             }
@@ -122,7 +114,8 @@ pub(super) fn finish(
                 let ([u, v], seen) = ([samples.u, samples.v], samples.seen);
                 let mut lit = [[0.0; LANES]; 3];
                 if any(&seen) {
-                    let (surfaces, mut points) = surfaces((shader, &mut memo), place, samples);
+                    let told = told(source, place, tile, (0, &seen), [row, column]);
+                    let (surfaces, mut points) = surfaces((shader, &mut memo), place, (samples, told));
                     points.asks = [0.0; LANES];
                     lit = light(shader, place.grid.orthographic, &surfaces, &points);
                 }
@@ -203,6 +196,36 @@ fn gather(
     samples
 }
 
+/// What one sample of each pixel of a group was told of what it sees, if samples are told.
+#[inline(always)]
+fn told(
+    source: &dyn Facts,
+    place: &Place<'_>,
+    tile: &Tile,
+    (sample, seen): (usize, &Mask),
+    [row, column]: [usize; 2],
+) -> Option<Looks> {
+    if !source.tells_looks() {
+        return None;
+    }
+    let blocks = GROUP / place.pass.side as usize;
+    if blocks == 1 {
+        let [x, y, z] = &tile.normal[row][column];
+        return Some(Looks::told([x, y, z], &tile.color[row][column], seen));
+    }
+    let (normal, color) = (tile.normal.as_flattened(), tile.color.as_flattened().as_flattened());
+    let start = (row * blocks * SIDE + column * blocks) * LANES + sample;
+    let (mut normals, mut colors) = ([[0.0; LANES]; 3], [0; LANES]);
+    for lane in 0..LANES {
+        let at = start + place.pass.group[lane];
+        colors[lane] = color[at];
+        for part in 0..3 {
+            normals[part][lane] = normal[at / LANES][part][at % LANES];
+        }
+    }
+    Some(Looks::told(normals.each_ref(), &colors, seen))
+}
+
 /// [`Shader::behind`] of a primitive that the shader may not have.
 #[inline(always)]
 fn behind(shader: &Shader<'_>, source: &dyn Facts, index: u32) -> f32 {
@@ -214,7 +237,11 @@ fn behind(shader: &Shader<'_>, source: &dyn Facts, index: u32) -> f32 {
 
 /// The surfaces of samples.
 #[inline(always)]
-fn surfaces((shader, memo): (&Shader<'_>, &mut Memo<'_>), place: &Place<'_>, samples: Samples) -> (Surfaces, Points) {
+fn surfaces(
+    (shader, memo): (&Shader<'_>, &mut Memo<'_>),
+    place: &Place<'_>,
+    (samples, told): (Samples, Option<Looks>),
+) -> (Surfaces, Points) {
     let near = shader.frame.depth[2];
     let Samples { u, v, t, seen, index } = &samples;
     // Rays start at (u, v, 0) and run along −z, or start at the eye and run along (u, v, −1).
@@ -225,7 +252,7 @@ fn surfaces((shader, memo): (&Shader<'_>, &mut Memo<'_>), place: &Place<'_>, sam
         let aside = start + slope * depth[lane];
         (hit[0][lane], hit[1][lane], hit[2][lane]) = (u[lane] * aside, v[lane] * aside, -depth[lane]);
     }
-    let mut surfaces = Looks::of(memo, index, seen, &hit);
+    let mut surfaces = told.unwrap_or_else(|| Looks::of(memo, index, seen, &hit));
     for lane in 0..LANES {
         let d = Vec3::new(u[lane] * slope, v[lane] * slope, -1.0);
         let toward = -1.0 / (d.x * d.x + d.y * d.y + d.z * d.z).sqrt();

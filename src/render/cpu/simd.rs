@@ -98,19 +98,6 @@ pub(super) fn widest(work: impl Work) {
     work.run();
 }
 
-/// Has the caches fetch the element `index` of a slice: it will be asked for soon. Nothing else happens, even if there is no such element.
-#[inline(always)]
-pub(super) fn prefetch<T>(slice: &[T], index: usize) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: an address that is nobody's is not read, and no error.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(slice.as_ptr().wrapping_add(index).cast()) };
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = (slice, index);
-}
-
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn avx2(work: impl Work) {

@@ -100,8 +100,8 @@ impl Bounds {
 
 /// Things that wait to be drawn together.
 pub(super) struct Queues {
-    balls: Waiting<Ball, 7>,
-    sticks: Waiting<Stick, 14>,
+    balls: Waiting<Ball, 8>,
+    sticks: Waiting<Stick, 16>,
 }
 
 impl Queues {
@@ -145,12 +145,12 @@ pub(super) fn draw_balls<const PARALLEL: bool>(
             asked &= asked - 1;
             let center_of = Vec3::new(center[0][lane], center[1][lane], center[2][lane]);
             let sphere = Sphere { center: center_of, radius: radius[lane] };
-            let index = placed.first_sphere + members[lane];
+            let (index, color) = (placed.first_sphere + members[lane], placed.ball_color(first + lane));
             if bounds.is_small[lane] == 0 {
                 if let Some(candidate) = framing.sphere(index, &sphere)
                     && !tile.hides(place, candidate.nearest, candidate.pixels)
                 {
-                    tile.draw_sphere::<PARALLEL>(place, &candidate, &sphere);
+                    tile.draw_sphere::<PARALLEL>(place, &candidate, (&sphere, color));
                 }
                 continue;
             }
@@ -159,7 +159,8 @@ pub(super) fn draw_balls<const PARALLEL: bool>(
             if window.is_simple && (pixels[2] - pixels[0]) * (pixels[3] - pixels[1]) <= FEW {
                 let [x, y, z] = center_of.to_array();
                 let square = (reach + SLACK) * (reach + SLACK);
-                let numbers = [middle[0], middle[1], square, x, y, z, sphere.radius];
+                let color = f32::from_bits(bytemuck::cast(color));
+                let numbers = [middle[0], middle[1], square, x, y, z, sphere.radius, color];
                 queues.balls.add::<PARALLEL>((tile, place), pixels, (nearest, index), &numbers);
                 continue;
             }
@@ -167,7 +168,7 @@ pub(super) fn draw_balls<const PARALLEL: bool>(
             let pixels = place.in_the_region(pixels);
             if !tile.hides(place, nearest, pixels) {
                 let candidate = Candidate { index, nearest, pixels, rect, is_round: true };
-                tile.draw_sphere::<PARALLEL>(place, &candidate, &sphere);
+                tile.draw_sphere::<PARALLEL>(place, &candidate, (&sphere, color));
             }
         }
     }
@@ -225,13 +226,13 @@ pub(super) fn draw_sticks<const PARALLEL: bool>(
             let lane = asked.trailing_zeros() as usize % LANES;
             asked &= asked - 1;
             let instance = &placed.block.cylinders[members[lane] as usize];
-            let index = placed.first_cylinder + members[lane];
+            let (index, colors) = (placed.first_cylinder + members[lane], placed.stick_colors(first + lane));
             if bounds.is_small[lane] == 0 {
                 if let Some(cylinder) = Cylinder::new(instance, &placed.view_from_block)
                     && let Some(candidate) = framing.cylinder(index, &cylinder)
                     && !tile.hides(place, candidate.nearest, candidate.pixels)
                 {
-                    tile.draw_cylinder::<PARALLEL>(place, &candidate, &cylinder);
+                    tile.draw_cylinder::<PARALLEL>(place, &candidate, (&cylinder, colors));
                 }
                 continue;
             }
@@ -248,8 +249,26 @@ pub(super) fn draw_sticks<const PARALLEL: bool>(
                     [center[0][lane], center[1][lane], center[2][lane]],
                     [along[0][lane], along[1][lane], along[2][lane]],
                 );
-                let numbers =
-                    [x, y, half[0], half[1], along_x, along_y, cx, cy, cz, ax, ay, az, half_length[lane], radius[lane]];
+                let [first, second] = colors.map(|color| f32::from_bits(bytemuck::cast(color)));
+                let (half_length, radius) = (half_length[lane], radius[lane]);
+                let numbers = [
+                    x,
+                    y,
+                    half[0],
+                    half[1],
+                    along_x,
+                    along_y,
+                    cx,
+                    cy,
+                    cz,
+                    ax,
+                    ay,
+                    az,
+                    half_length,
+                    radius,
+                    first,
+                    second,
+                ];
                 queues.sticks.add::<PARALLEL>((tile, place), pixels, (nearest, index), &numbers);
                 continue;
             }
@@ -259,7 +278,7 @@ pub(super) fn draw_sticks<const PARALLEL: bool>(
                 && let Some(cylinder) = Cylinder::new(instance, &placed.view_from_block)
             {
                 let candidate = Candidate { index, nearest, pixels, rect, is_round: false };
-                tile.draw_cylinder::<PARALLEL>(place, &candidate, &cylinder);
+                tile.draw_cylinder::<PARALLEL>(place, &candidate, (&cylinder, colors));
             }
         }
     }

@@ -1,10 +1,8 @@
 //! Where the primitives of a picture come from: all of them found in view space beforehand, or pack by pack as they are
 //! needed ([`super::packs`]).
 
-use super::behind::Mask;
 use super::binning::{Bins, Candidate};
-use super::facts::{Fact, Raw};
-use super::lanes::LANES;
+use super::facts::Fact;
 use super::tile::{Place, Tile};
 use crate::render::outline::Outline;
 use crate::render::settings::View;
@@ -24,11 +22,8 @@ pub(super) trait Facts: Sync {
     /// What is neither ball, stick nor ring as the shader's solids number it.
     fn of_shader(&self, index: u32) -> u32;
 
-    /// Says that these will be asked for soon.
-    fn prefetch(&self, indices: &[u32; LANES]);
-
-    /// Those of sixteen that are balls or sticks, if it knows them in a block.
-    fn raw(&self, indices: &[u32; LANES], lanes: &Mask) -> Option<Raw<'_>>;
+    /// Whether tiles are told what balls, sticks and rings look like as they are drawn ([`Tile::normal`]).
+    fn tells_looks(&self) -> bool;
 
     /// What shading needs of a ball, stick or ring.
     fn fact(&self, index: u32) -> Fact;
@@ -69,10 +64,8 @@ impl Facts for Listed<'_> {
         index
     }
 
-    fn prefetch(&self, _: &[u32; LANES]) {}
-
-    fn raw(&self, _: &[u32; LANES], _: &Mask) -> Option<Raw<'_>> {
-        None
+    fn tells_looks(&self) -> bool {
+        false
     }
 
     fn fact(&self, index: u32) -> Fact {

@@ -3,12 +3,15 @@
 //! A tile is 32 × 32 blocks of [`LANES`] samples. Each block knows the depth of its farthest sample, so that what lies behind
 //! it is left out at once. Ties in depth go to the first primitive, as in the reference.
 
+use super::behind::Mask;
 use super::binning::Candidate;
 use super::intersect::{
     FLAT_CAPS, cone_middle_t, cone_t, cylinder_middle_t, cylinder_t, flat_cylinder_middle_t, flat_cylinder_t,
     sphere_entry, sphere_middle_t, sphere_t, torus_middle_t, torus_t, torus_ts, triangle_t,
 };
 use super::lanes::{LANES, Lanes, Pass};
+use super::looks::{BallSurface, NO_ENDS, RingSurface, StickSurface, Surface};
+use crate::color::Srgb8;
 use crate::render::outline::{Outline, RIM};
 use crate::render::solids::{Cone, Cylinder, Primitive, Solids, Sphere, Torus, Triangle};
 use crate::scene::{PixelGrid, Ray};
@@ -43,7 +46,71 @@ pub(super) trait DepthAt {
     fn middle(&self, _u: f32, _v: f32) -> f32 {
         f32::INFINITY
     }
+
+    /// Whether the tile is told what it looks like.
+    const TOLD: bool = false;
+
+    /// Its normals at these depths, and its colours there as [`Tile::color`] has them.
+    fn looks(&self, _u: &Lanes, _v: &Lanes, _t: &Lanes) -> ([Lanes; 3], [u32; LANES]) {
+        ([[0.0; LANES]; 3], [0; LANES])
+    }
 }
+
+/// A primitive of which the tile is told what it looks like: its surface, and the bytes of its two colours.
+pub(super) struct Told<D, S, const PARALLEL: bool> {
+    pub(super) drawn: D,
+    pub(super) surface: S,
+    pub(super) colors: [Srgb8; 2],
+}
+
+impl<D: DepthAt, S: Surface, const PARALLEL: bool> DepthAt for Told<D, S, PARALLEL> {
+    const TOLD: bool = true;
+
+    #[inline(always)]
+    fn t(&self, u: f32, v: f32) -> f32 {
+        self.drawn.t(u, v)
+    }
+
+    #[inline(always)]
+    fn ts(&self, u: &Lanes, v: &Lanes) -> Lanes {
+        self.drawn.ts(u, v)
+    }
+
+    #[inline(always)]
+    fn looks(&self, u: &Lanes, v: &Lanes, t: &Lanes) -> ([Lanes; 3], [u32; LANES]) {
+        let (mut hit, mut color) = ([[0.0; LANES]; 3], [0; LANES]);
+        for lane in 0..LANES {
+            [hit[0][lane], hit[1][lane], hit[2][lane]] = hit_at::<PARALLEL>(u[lane], v[lane], t[lane]).to_array();
+        }
+        let (normal, second) = self.surface.at(&hit);
+        let [first, other]: [u32; 2] = bytemuck::cast(self.colors);
+        for lane in 0..LANES {
+            color[lane] = if second[lane] != 0 { other } else { first };
+        }
+        (normal, color)
+    }
+}
+
+/// Where the ray of plane coordinates is at a depth: the same bits as shading has it.
+#[inline(always)]
+pub(super) fn hit_at<const PARALLEL: bool>(u: f32, v: f32, t: f32) -> Vec3 {
+    let aside = if PARALLEL { 1.0 } else { t };
+    Vec3::new(u * aside, v * aside, -t)
+}
+
+/// What is found one by one when it is shaded.
+#[derive(Clone, Copy)]
+pub(super) struct Untold;
+
+impl Surface for Untold {
+    #[inline(always)]
+    fn at(&self, _hit: &[Lanes; 3]) -> ([Lanes; 3], Mask) {
+        ([[0.0; LANES]; 3], [0; LANES])
+    }
+}
+
+/// In [`Tile::color`], of what is found one by one.
+const UNTOLD: Srgb8 = Srgb8 { r: 0, g: 0, b: 0, a: 0 };
 
 /// A primitive with its line: itself, itself grown by the line, and how far behind the silhouette the line lies.
 struct Outlined<D> {
@@ -224,6 +291,10 @@ pub(super) struct Tile {
     empty: [[u8; SIDE]; SIDE],
     /// Whether anything is seen in each block.
     pub(super) touched: [[bool; SIDE]; SIDE],
+    /// Of samples in which something is seen, if the tile is told what it looks like: normals of any length.
+    pub(super) normal: [[[Lanes; 3]; SIDE]; SIDE],
+    /// Likewise the bytes of its colour, an opaque [`Srgb8`]; 0 of what is found one by one.
+    pub(super) color: [[[u32; LANES]; SIDE]; SIDE],
 }
 
 impl Tile {
@@ -326,13 +397,15 @@ impl Tile {
         &mut self,
         place: &Place<'_>,
         candidate: &Candidate,
-        solid: &Sphere,
+        (solid, color): (&Sphere, Srgb8),
     ) {
-        let near = place.near;
+        let (near, surface, colors) = (place.near, BallSurface { center: solid.center }, [color; 2]);
         if candidate.nearest > near {
-            self.draw(place, candidate, &[true; LANES], &Drawn::<_, PARALLEL> { solid: Beyond(*solid), near });
+            let drawn = Drawn::<_, PARALLEL> { solid: Beyond(*solid), near };
+            self.draw(place, candidate, &[true; LANES], &Told::<_, _, PARALLEL> { drawn, surface, colors });
         } else {
-            self.draw(place, candidate, &[true; LANES], &Drawn::<_, PARALLEL> { solid: *solid, near });
+            let drawn = Drawn::<_, PARALLEL> { solid: *solid, near };
+            self.draw(place, candidate, &[true; LANES], &Told::<_, _, PARALLEL> { drawn, surface, colors });
         }
     }
 
@@ -342,22 +415,30 @@ impl Tile {
         &mut self,
         place: &Place<'_>,
         candidate: &Candidate,
-        solid: &Cylinder,
+        (solid, colors): (&Cylinder, [Srgb8; 2]),
     ) {
-        let near = place.near;
+        let (near, surface) = (place.near, StickSurface::new(solid));
         if solid.caps == FLAT_CAPS {
+            let surface = StickSurface { ends: NO_ENDS, ..surface };
             let drawn = Drawn::<_, PARALLEL> { solid: Flat(*solid), near };
-            self.draw(place, candidate, &[true; LANES], &drawn);
+            self.draw(place, candidate, &[true; LANES], &Told::<_, _, PARALLEL> { drawn, surface, colors });
         } else {
-            self.draw(place, candidate, &[true; LANES], &Drawn::<_, PARALLEL> { solid: *solid, near });
+            let drawn = Drawn::<_, PARALLEL> { solid: *solid, near };
+            self.draw(place, candidate, &[true; LANES], &Told::<_, _, PARALLEL> { drawn, surface, colors });
         }
     }
 
     /// Draws an opaque ring.
     #[inline(always)]
-    pub(super) fn draw_torus<const PARALLEL: bool>(&mut self, place: &Place<'_>, candidate: &Candidate, solid: &Torus) {
+    pub(super) fn draw_torus<const PARALLEL: bool>(
+        &mut self,
+        place: &Place<'_>,
+        candidate: &Candidate,
+        (solid, color): (&Torus, Srgb8),
+    ) {
         let drawn = Drawn::<_, PARALLEL> { solid: *solid, near: place.near };
-        self.draw(place, candidate, &[true; LANES], &drawn);
+        let (surface, colors) = (RingSurface::new(solid), [color; 2]);
+        self.draw(place, candidate, &[true; LANES], &Told::<_, _, PARALLEL> { drawn, surface, colors });
     }
 
     /// Draws a cone or triangle, `number` of `solids`, all opaque and without lines.
@@ -368,13 +449,15 @@ impl Tile {
         (solids, number): (&Solids, u32),
         candidate: &Candidate,
     ) {
-        let (near, mask) = (place.near, [true; LANES]);
+        let (near, mask, surface, colors) = (place.near, [true; LANES], Untold, [UNTOLD; 2]);
         match solids.primitive(number as usize) {
             Primitive::Cone(i) => {
-                self.draw(place, candidate, &mask, &Drawn::<_, PARALLEL> { solid: solids.cones[i], near });
+                let drawn = Drawn::<_, PARALLEL> { solid: solids.cones[i], near };
+                self.draw(place, candidate, &mask, &Told::<_, _, PARALLEL> { drawn, surface, colors });
             }
             Primitive::Triangle(i) => {
-                self.draw(place, candidate, &mask, &Drawn::<_, PARALLEL> { solid: solids.triangles[i], near });
+                let drawn = Drawn::<_, PARALLEL> { solid: solids.triangles[i], near };
+                self.draw(place, candidate, &mask, &Told::<_, _, PARALLEL> { drawn, surface, colors });
             }
             Primitive::Sphere(_) | Primitive::Cylinder(_) | Primitive::Torus(_) => {}
         }
@@ -454,15 +537,19 @@ impl Tile {
         self.t.as_flattened().as_flattened()
     }
 
-    /// Sees a primitive at this depth in sample `at`, counted through the rows of blocks, if it is nearer than what was seen there.
+    /// Sees a primitive at this depth in sample `at`, counted through the rows of blocks, if it is nearer than what was seen there; what it
+    /// looks like there is told.
     #[inline(always)]
-    pub(super) fn see_at(&mut self, at: usize, t: f32, index: u32) {
+    pub(super) fn see_at(&mut self, at: usize, (t, index): (f32, u32), (normal, color): ([f32; 3], u32)) {
         let (block, lane) = (at / LANES % (SIDE * SIDE), at % LANES);
         let depths = &mut self.t.as_flattened_mut()[block];
         let seen = &mut self.index.as_flattened_mut()[block][lane];
         let before = depths[lane];
         if t < before || (t == before && index < *seen) {
             (depths[lane], *seen) = (t, index);
+            let normals = &mut self.normal.as_flattened_mut()[block];
+            (normals[0][lane], normals[1][lane], normals[2][lane]) = (normal[0], normal[1], normal[2]);
+            self.color.as_flattened_mut()[block][lane] = color;
             self.touched.as_flattened_mut()[block] = true;
             let empty = &mut self.empty.as_flattened_mut()[block];
             *empty -= u8::from(before == f32::INFINITY);
@@ -528,6 +615,16 @@ impl Tile {
             any |= closer[lane];
         }
         if any != 0 {
+            if D::TOLD {
+                let (looks, colors) = drawn.looks(u, v, &new);
+                let (normal, color) = (&mut self.normal[row][column], &mut self.color[row][column]);
+                for lane in 0..LANES {
+                    for part in 0..3 {
+                        normal[part][lane] = if closer[lane] != 0 { looks[part][lane] } else { normal[part][lane] };
+                    }
+                    color[lane] = if closer[lane] != 0 { colors[lane] } else { color[lane] };
+                }
+            }
             for lane in 0..LANES {
                 t[lane] = if closer[lane] != 0 { new[lane] } else { t[lane] };
                 seen[lane] = if closer[lane] != 0 { what[lane] } else { seen[lane] };

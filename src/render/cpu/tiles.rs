@@ -26,6 +26,7 @@ use crate::scene::{PixelGrid, Region, Scene};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// What all tiles of a picture share.
 struct Picture<'a, S> {
@@ -38,6 +39,7 @@ struct Picture<'a, S> {
     grid: PixelGrid,
     region: Region,
     near: f32,
+    benches: Benches,
 }
 
 /// What a thread needs for a tile, and uses again for the next.
@@ -46,9 +48,20 @@ struct Bench {
     candidates: Vec<Candidate>,
 }
 
-impl Bench {
-    fn new() -> Bench {
-        Bench { tile: Tile::new(), candidates: Vec::new() }
+/// Benches that no thread works at: as many are made as there are threads.
+#[derive(Default)]
+struct Benches(Mutex<Vec<Bench>>);
+
+impl Benches {
+    /// Does something at one of them.
+    fn at_one<R>(&self, work: impl FnOnce(&mut Bench) -> R) -> R {
+        // Nobody leaves the list half-changed behind.
+        let free = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let taken = free().pop();
+        let mut bench = taken.unwrap_or_else(|| Bench { tile: Tile::new(), candidates: Vec::new() });
+        let done = work(&mut bench);
+        free().push(bench);
+        done
     }
 }
 
@@ -56,7 +69,8 @@ impl<'a, S: Source> Picture<'a, S> {
     fn new(shader: Shader<'a>, source: S, view: &View, tile: u32) -> Picture<'a, S> {
         let region = view.region();
         let tiles = [region.width.div_ceil(tile), region.height.div_ceil(tile)];
-        Picture { shader, source, tile, tiles, grid: view.pixel_grid(), region, near: view.camera.near }
+        let (grid, near, benches) = (view.pixel_grid(), view.camera.near, Benches::default());
+        Picture { shader, source, tile, tiles, grid, region, near, benches }
     }
 
     fn place<'p>(&'p self, tile: usize, pass: &'p Pass) -> Place<'p> {
@@ -152,9 +166,9 @@ impl<S: Source> Picture<'_, S> {
 
     /// Adds samples of all tiles, unless `stop` becomes true.
     fn add_to_all(&self, asked: (&[Pass], &Questions<'_>), sums: &mut [TileSums], stop: &AtomicBool) {
-        sums.par_iter_mut().enumerate().with_max_len(4).for_each_init(Bench::new, |bench, (tile, sums)| {
+        sums.par_iter_mut().enumerate().with_max_len(4).for_each(|(tile, sums)| {
             if !stop.load(Ordering::Relaxed) {
-                self.add(bench, tile, asked, sums);
+                self.benches.at_one(|bench| self.add(bench, tile, asked, sums));
             }
         });
     }
@@ -173,9 +187,11 @@ impl<S: Source> Picture<'_, S> {
         bands.enumerate().for_each(|(tile_row, (band, sums))| {
             // Tiles of a band differ much in cost: they are shared out in small groups.
             let tiles: Vec<_> = (sums.par_iter_mut().enumerate().with_max_len(4))
-                .map_init(Bench::new, |bench, (column, sums)| match stop.load(Ordering::Relaxed) {
+                .map(|(column, sums)| match stop.load(Ordering::Relaxed) {
                     true => Vec::new(),
-                    false => pixels(bench, tile_row * across + column, std::mem::take(sums)),
+                    false => {
+                        self.benches.at_one(|bench| pixels(bench, tile_row * across + column, std::mem::take(sums)))
+                    }
                 })
                 .collect();
             for (column, pixels) in tiles.iter().enumerate() {
@@ -206,10 +222,10 @@ impl<S: Source> Picture<'_, S> {
             }
         }
         let pass = Pass::of_one(0, 1);
-        tiles.par_iter_mut().enumerate().with_max_len(2).for_each_init(Bench::new, |bench, (tile, rows)| {
+        tiles.par_iter_mut().enumerate().with_max_len(2).for_each(|(tile, rows)| {
             if !stop.load(Ordering::Relaxed) {
-                let place = self.place(tile, &pass);
-                self.draw(bench, tile, &place, Then::Finish(rows, self.source.is_empty(tile)));
+                let (place, is_empty) = (self.place(tile, &pass), self.source.is_empty(tile));
+                self.benches.at_one(|bench| self.draw(bench, tile, &place, Then::Finish(rows, is_empty)));
             }
         });
         Image { width, height, rgba }
@@ -416,13 +432,14 @@ pub(super) fn gbuffer(scene: &Scene, view: &View, known: Known<'_>) -> GBuffer {
 fn facts<S: Source>(picture: &Picture<'_, S>, pass: &Pass) -> GBuffer {
     let region = picture.region;
     let across = picture.tiles[0] as usize;
-    let tiles: Vec<Box<Tile>> = (0..across * picture.tiles[1] as usize)
+    let tiles: Vec<_> = (0..across * picture.tiles[1] as usize)
         .into_par_iter()
         .map(|tile| {
-            let mut bench = Bench::new();
             let place = picture.place(tile, pass);
-            widest(See { source: &picture.source, bench: &mut bench, tile, place: &place });
-            bench.tile
+            picture.benches.at_one(|bench| {
+                widest(See { source: &picture.source, bench, tile, place: &place });
+                (bench.tile.t.to_vec(), bench.tile.index.to_vec())
+            })
         })
         .collect();
     let mut buffer = GBuffer::with_capacity(region.width, region.height);
@@ -430,10 +447,10 @@ fn facts<S: Source>(picture: &Picture<'_, S>, pass: &Pass) -> GBuffer {
         for x in 0..region.width {
             let of = |at: u32| (at % picture.tile, at / picture.tile);
             let ((column, tile_column), (row, tile_row)) = (of(x), of(y));
-            let tile = &tiles[tile_row as usize * across + tile_column as usize];
+            let (ts, indices) = &tiles[tile_row as usize * across + tile_column as usize];
             let block = |at: u32| (at / pass.side) as usize;
             let lane = (row % pass.side * pass.side + column % pass.side) as usize;
-            let (t, index) = (tile.t[block(row)][block(column)][lane], tile.index[block(row)][block(column)][lane]);
+            let (t, index) = (ts[block(row)][block(column)][lane], indices[block(row)][block(column)][lane]);
             let center = picture.grid.plane((region.x + x) as f32 + 0.5, (region.y + y) as f32 + 0.5);
             let ray = picture.grid.ray(center);
             buffer.push(if t == f32::INFINITY {
