@@ -2,6 +2,11 @@
 #import "cylinder_listed.wgsl"
 #import "owner.wgsl"
 
+@vertex
+fn vs_small(@builtin(vertex_index) corner: u32) -> @builtin(position) vec4<f32> {
+    return small_corner(corner);
+}
+
 @fragment
 fn fs_cylinder_small(@builtin(position) fragment: vec4<f32>) -> Surface {
     let number = owner_of(fragment);

@@ -10,9 +10,8 @@ const FAR: u32 = 65535u;
 
 const NOBODY: u32 = 0xffffffffu;
 
-// Two triangles over the pixels that are anyone's of the chunk.
-@vertex
-fn vs_small(@builtin(vertex_index) corner: u32) -> @builtin(position) vec4<f32> {
+// A corner of two triangles over the pixels that are anyone's of the chunk.
+fn small_corner(corner: u32) -> vec4<f32> {
     let low = FAR - vec2<u32>(arguments[12], arguments[13]);
     let high = vec2<u32>(arguments[14], arguments[15]);
     let is_high = vec2<bool>(corner == 1u || corner >= 4u, corner == 2u || corner == 3u || corner == 5u);
