@@ -331,9 +331,12 @@ impl CpuScreen {
         } else {
             timings.spent(Stage::Wait, frame.begun - frame.posted);
             timings.spent(Stage::Render, took);
+            if frame.coarseness > 1.0 {
+                timings.coarser();
+            }
             timings.spent(Stage::Wake, frame.drawn.elapsed());
             self.took = took;
-            self.pace.took(took.as_secs_f32());
+            self.pace.took(took.as_secs_f32(), frame.coarseness);
             self.coarse = frame.version;
             self.awaited = self.awaited.filter(|&version| version != frame.version);
         }
@@ -344,11 +347,12 @@ impl CpuScreen {
     /// Asks for the next picture.
     fn wish(&mut self, state: &State) {
         let view = state.view();
-        let job = |settings: Settings, may_stop, drawn: View| Job {
+        let job = |settings: Settings, may_stop, drawn: View, coarseness: f32| Job {
             scene: Arc::clone(&state.built.scene),
             view: drawn,
             size: [view.width, view.height],
             settings,
+            coarseness,
             may_stop,
             version: state.version,
             posted: Instant::now(),
@@ -358,16 +362,18 @@ impl CpuScreen {
             (self.shown, self.awaited) = (None, None);
             self.posted = (state.version, true);
         } else if self.posted.0 != state.version {
-            let coarser = |number: u32| ((number as f32 / self.pace.coarseness()).round() as u32).max(1);
+            let coarseness = self.pace.coarseness();
+            let coarser = |number: u32| ((number as f32 / coarseness).round() as u32).max(1);
             // The light on the ground costs as its texels.
             let motion = Settings { ground_texels: coarser(IN_MOTION.ground_texels), ..IN_MOTION };
-            self.worker.post(job(motion, false, View::new(view.camera, coarser(view.width), coarser(view.height))));
+            let drawn = View::new(view.camera, coarser(view.width), coarser(view.height));
+            self.worker.post(job(motion, false, drawn, coarseness));
             (self.posted, self.awaited) = ((state.version, false), Some(state.version));
         } else if !self.posted.1
             && self.coarse == state.version
             && state.until_rest(Instant::now()).is_some_and(|rest| rest.is_zero())
         {
-            self.worker.post(job(state.fine(state.work.quality), true, view));
+            self.worker.post(job(state.fine(state.work.quality), true, view, 1.0));
             self.posted = (state.version, true);
         }
     }

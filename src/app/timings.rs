@@ -58,6 +58,8 @@ pub(super) struct Timings {
     presented: u64,
     /// How many of them had a new picture in motion, and a finished one.
     pictures: [u64; 2],
+    /// How many in motion were drawn with larger pixels than the window's.
+    coarser: u64,
     /// How often egui was run.
     interfaces: u64,
     last_picture: Option<Instant>,
@@ -86,6 +88,11 @@ impl Timings {
             spent.pop_front();
         }
         spent.push_back(duration.as_secs_f32() * 1e3);
+    }
+
+    /// A picture in motion was drawn with larger pixels than the window's.
+    pub(super) fn coarser(&mut self) {
+        self.coarser += u64::from(self.is_on);
     }
 
     /// Another renderer draws, or still the same.
@@ -147,6 +154,7 @@ impl Timings {
             "renderers": self.drawn_by,
             "presented": self.presented,
             "pictures_in_motion": self.pictures[0],
+            "with_larger_pixels": self.coarser,
             "finished_pictures": self.pictures[1],
             "interfaces": self.interfaces,
             "stages": stages,

@@ -19,6 +19,8 @@ pub(super) struct Job {
     /// The size in which it is shown; its pixels are made as large as it takes to fill it.
     pub(super) size: [u32; 2],
     pub(super) settings: Settings,
+    /// How many times larger than the window's its pixels are.
+    pub(super) coarseness: f32,
     /// Whether a newer job may stop it half-way.
     pub(super) may_stop: bool,
     /// Counts changes of the view; a frame says which one it shows.
@@ -33,6 +35,8 @@ pub(super) struct Frame {
     size: [u32; 2],
     /// Where the picture has the pixels of a row of the window, if it is not as wide.
     columns: Option<Vec<usize>>,
+    /// That of its job.
+    pub(super) coarseness: f32,
     pub(super) version: u64,
     /// Whether it was the fine one.
     pub(super) fine: bool,
@@ -60,8 +64,8 @@ impl Frame {
     fn new(image: Image, job: &Job, begun: Instant) -> Frame {
         let [width, _] = job.size;
         let columns = (image.width != width).then(|| (0..width).map(|x| nearest(x, width, image.width)).collect());
-        let (version, fine, posted, drawn) = (job.version, job.may_stop, job.posted, Instant::now());
-        Frame { image, size: job.size, columns, version, fine, posted, begun, drawn }
+        let (size, coarseness, version, fine) = (job.size, job.coarseness, job.version, job.may_stop);
+        Frame { image, size, columns, coarseness, version, fine, posted: job.posted, begun, drawn: Instant::now() }
     }
 
     /// How wide it is shown, pixels of the window.
@@ -217,7 +221,7 @@ mod tests {
         let scene = Arc::new(Scene::from_blocks(Vec::new(), Vec::new()));
         let view = View::new(scene.fitted_camera(1.0), 64, 64);
         let settings = Settings { samples, ground_texels: 16, ao: 0, shadow: false };
-        Job { scene, view, size: [64, 64], settings, may_stop, version, posted: Instant::now() }
+        Job { scene, view, size: [64, 64], settings, coarseness: 1.0, may_stop, version, posted: Instant::now() }
     }
 
     #[test]
