@@ -1,6 +1,6 @@
 // Cylinders of one sample: a quad an instance, an exact ray intersection a fragment.
 #import "normal.wgsl"
-#import "outline.wgsl"
+#import "placed.wgsl"
 
 struct CylinderVertex {
     @builtin(position) position: vec4<f32>,
@@ -28,32 +28,27 @@ fn vs_cylinder(
 fn cylinder_vertex(
     corner: u32, a_radius: vec4<f32>, b_block: vec3<f32>, id: u32, colors_caps: vec3<u32>,
 ) -> CylinderVertex {
-    // Twin of Cylinder::new.
-    let a_block = a_radius.xyz;
-    let radius = a_radius.w;
-    let between = view_vector(b_block - a_block);
-    let length = length(between);
-    let is_solid = length > 1e-12 && radius > 0.0;
-    let axis = between / select(1.0, length, is_solid);
-    let center = view_point((a_block + b_block) * 0.5);
-    let half_length = length * 0.5;
-    let camera_to_cylinder = rotation_to_y(select(vec3<f32>(0.0, 1.0, 0.0), axis, is_solid));
-
-    let caps = colors_caps.z;
-    let rows = camera_to_cylinder;
-    let grown = outlined_cylinder(Cylinder(center, rows[0], rows[1], rows[2], half_length, radius, caps));
-    let a = center - axis * grown.half_length;
-    let b = center + axis * grown.half_length;
+    let cylinder = placed_cylinder(a_radius, b_block, colors_caps.z);
+    let grown = outlined_cylinder(cylinder);
+    let axis = cylinder.row_y;
+    let caps = cylinder.caps;
+    let a = cylinder.center - axis * grown.half_length;
+    let b = cylinder.center + axis * grown.half_length;
     var rect = cylinder_rect(a, b, axis, grown.radius, has_cap(caps, 0u, 2u), has_cap(caps, 1u, 2u), frame.depth.z);
     let placed = placed_id(id);
-    rect.seen = rect.seen && is_solid && is_drawn_in_sample(placed, colors_caps.x);
+    rect.seen = rect.seen && is_solid(cylinder) && is_drawn_in_sample(placed, colors_caps.x);
+    let position = quad_corner(rect, corner, min(-a.z, -b.z) - grown.radius);
+    return vertex_of(cylinder, position, vec4<u32>(colors_caps, placed));
+}
+
+fn vertex_of(cylinder: Cylinder, position: vec4<f32>, look: vec4<u32>) -> CylinderVertex {
     var vertex: CylinderVertex;
-    vertex.position = quad_corner(rect, corner, min(-a.z, -b.z) - grown.radius);
-    vertex.center = vec4<f32>(center, half_length);
-    vertex.row_x = vec4<f32>(camera_to_cylinder[0], radius);
-    vertex.row_y = camera_to_cylinder[1];
-    vertex.row_z = camera_to_cylinder[2];
-    vertex.look = vec4<u32>(colors_caps, placed);
+    vertex.position = position;
+    vertex.center = vec4<f32>(cylinder.center, cylinder.half_length);
+    vertex.row_x = vec4<f32>(cylinder.row_x, cylinder.radius);
+    vertex.row_y = cylinder.row_y;
+    vertex.row_z = cylinder.row_z;
+    vertex.look = look;
     return vertex;
 }
 
@@ -65,6 +60,10 @@ fn cylinder_of(vertex: CylinderVertex) -> Cylinder {
 
 @fragment
 fn fs_cylinder(vertex: CylinderVertex) -> Surface {
+    return cylinder_surface(vertex);
+}
+
+fn cylinder_surface(vertex: CylinderVertex) -> Surface {
     let ray = pixel_ray(vertex.position, one_sample.offset);
     let cylinder = cylinder_of(vertex);
     let near = frame.depth.z;

@@ -7,16 +7,16 @@ fn level_1(@builtin(global_invocation_id) at: vec3<u32>) {
     if at.x >= size.x || at.y >= size.y {
         return;
     }
-    let below = textureDimensions(depth_texels);
+    let below = target_size();
     let first = at.xy * 4u;
     let end = min(first + 4u, below);
     var farthest = 1.0;
     for (var y = first.y; y < end.y; y++) {
         for (var x = first.x; x < end.x; x++) {
-            farthest = min(farthest, textureLoad(depth_texels, vec2<u32>(x, y), 0));
+            farthest = min(farthest, depth_at(vec2<u32>(x, y), below.x));
         }
     }
-    pyramid[at.y * size.x + at.x] = farthest;
+    atomicStore(&pyramid[level_start(1u) + at.y * size.x + at.x], bitcast<u32>(farthest));
 }
 
 fn reduce(level: u32, at: vec2<u32>) {
@@ -31,10 +31,10 @@ fn reduce(level: u32, at: vec2<u32>) {
     var farthest = 1.0;
     for (var y = first.y; y < end.y; y++) {
         for (var x = first.x; x < end.x; x++) {
-            farthest = min(farthest, pyramid[start + y * below.x + x]);
+            farthest = min(farthest, bitcast<f32>(atomicLoad(&pyramid[start + y * below.x + x])));
         }
     }
-    pyramid[level_start(level) + at.y * size.x + at.x] = farthest;
+    atomicStore(&pyramid[level_start(level) + at.y * size.x + at.x], bitcast<u32>(farthest));
 }
 
 @compute @workgroup_size(8, 8)

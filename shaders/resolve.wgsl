@@ -33,8 +33,14 @@ fn ground_texel(at: vec2<f32>) -> vec2<f32> {
     return bitcast<vec2<f32>>(textureLoad(ground_light, min(vec2<i32>(at), last), 0).xy);
 }
 
+// Whether there is ground: without it nothing is asked for.
+override has_ground: bool = true;
+
 // Twin of Shader::backdrop.
 fn backdrop(ray: Ray) -> vec4<f32> {
+    if !has_ground {
+        return shade_background();
+    }
     let t = ground_depth(ray);
     if !(t < NO_HIT) {
         return shade_background();

@@ -14,6 +14,14 @@ fn sum_so_far(pixel: vec2<i32>) -> vec4<f32> {
     return bitcast<vec4<f32>>(textureLoad(sum_before, pixel, 0));
 }
 
+// Whether light from afar is asked for at all, and whether there is ground: what is not there costs every pixel of a frame in motion.
+override asks_light: bool = true;
+override has_ground: bool = true;
+
+fn is_before_ground(depth: f32, ray: Ray) -> bool {
+    return !has_ground || depth <= ground_depth(ray);
+}
+
 // Light: premultiplied linear colour, and in alpha how many samples saw a primitive.
 @fragment
 fn fs_shade(@builtin(position) fragment: vec4<f32>) -> @location(0) vec4<u32> {
@@ -25,12 +33,16 @@ fn fs_shade(@builtin(position) fragment: vec4<f32>) -> @location(0) vec4<u32> {
         let t = bitcast<f32>(texel.y);
         if (texel.w >> 30u) == (RIM >> 30u) {
             // The ground hides a line where it hides the silhouette.
-            if bitcast<f32>(texel.z) <= ground_depth(ray) {
+            if is_before_ground(bitcast<f32>(texel.z), ray) {
                 sum += vec4<f32>(shade_outline(t), 1.0);
             }
-        } else if t <= ground_depth(ray) {
+        } else if is_before_ground(t, ray) {
             let seen = VisibleSurface(t, unpack_normal(texel.z), unpack_color(texel.w));
-            sum += vec4<f32>(shade_surface(seen, reach_of(ray, t, seen.normal), ray.direction), 1.0);
+            var reach = Reach(frame.sky.z, 1.0);
+            if asks_light {
+                reach = reach_of(ray, t, seen.normal);
+            }
+            sum += vec4<f32>(shade_surface(seen, reach, ray.direction), 1.0);
         }
     }
     return bitcast<vec4<u32>>(sum);

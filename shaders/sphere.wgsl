@@ -34,6 +34,10 @@ fn sphere_vertex(corner: u32, center_radius: vec4<f32>, color_id: vec2<u32>) -> 
 
 @fragment
 fn fs_sphere(vertex: SphereVertex) -> Surface {
+    return sphere_surface(vertex);
+}
+
+fn sphere_surface(vertex: SphereVertex) -> Surface {
     let ray = pixel_ray(vertex.position, one_sample.offset);
     let sphere = Sphere(vertex.ball.xyz, vertex.ball.w);
     let near = frame.depth.z;

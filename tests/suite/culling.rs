@@ -134,6 +134,44 @@ fn devices_that_do_not_compute_draw_the_same_picture() {
 }
 
 #[test]
+fn frames_of_an_orbit_are_the_same_with_and_without_culling() {
+    let Some(mut gpu) = gpu() else { return };
+    let scene = Arc::new(scene_of(crowd(false)));
+    gpu.load(Arc::clone(&scene)).unwrap();
+    let whole = scene.fitted_camera(1.5);
+    let narrow = Camera { projection: Projection::Perspective { fov_y_rad: 0.1 }, ..whole };
+    let settings = Settings { samples: 1, ..QUICK };
+    for camera in [whole, narrow] {
+        let mut orbit = |culling| -> Vec<Image> {
+            gpu.set_culling(culling);
+            let frame = |step: u8| View::new(camera.turned(0.03 * f32::from(step)), 240, 160);
+            (0..8).map(|step| gpu.image(&frame(step), &settings).unwrap()).collect()
+        };
+        let plain = orbit(Culling::None);
+        assert!(plain[0] != plain[1], "the camera moves");
+        assert!(orbit(Culling::Full) == plain);
+    }
+}
+
+#[test]
+fn of_what_is_small_just_what_is_seen_is_found() {
+    let Some(mut gpu) = gpu() else { return };
+    if !gpu.lists() {
+        println!("SKIP: the device does not compute");
+        return;
+    }
+    let scene = Arc::new(scene_of(crowd(false)));
+    gpu.load(Arc::clone(&scene)).unwrap();
+    for turn in [0.0, 0.4] {
+        let view = View::new(scene.fitted_camera(1.5).turned(turn), 240, 160);
+        let ids = gpu.gbuffer(&view).unwrap().id;
+        let seen: std::collections::HashSet<u32> = ids.into_iter().filter(|&id| id <= 120_000 && id > 0).collect();
+        assert!(seen.len() > 1000);
+        assert_eq!(gpu.listed_instances().unwrap(), seen.len() as u64);
+    }
+}
+
+#[test]
 fn what_others_hide_is_not_drawn() {
     let Some(mut gpu) = gpu() else { return };
     if !gpu.lists() {

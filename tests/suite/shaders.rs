@@ -189,6 +189,9 @@ fn numbers_that_both_sides_hold_are_the_same() {
     holds("sky.wgsl", format!("const START_OFFSET: f32 = {offset:e};"));
     holds("cull.wgsl", format!("const MEMBERS: u32 = {}u;", ballstick::render::gpu::clusters::MEMBERS));
     holds("cull.wgsl", format!("const OUTLINED: f32 = {};", ballstick::render::gpu::clusters::OUTLINED));
+    let far = |file| holds(file, "const FAR: u32 = 65535u;".to_owned());
+    far("members.wgsl");
+    far("owner.wgsl");
     holds("torus.wgsl", format!("const TORUS_PIECES: u32 = {}u;", ballstick::render::bounds::TORUS_PIECES));
 }
 

@@ -19,7 +19,7 @@ pub const MEMBERS: usize = WIDTH * WIDTH * WIDTH;
 pub const OUTLINED: f32 = 1.4;
 
 /// Fewer instances of a kind than this are drawn all, in the order of the block. Chosen. On lavapipe (benches/gpu_frame.rs) lists change a frame's
-/// processor time by −5 to +7 % at 100,000 atoms and by −18 to −31 % at 1,000,000; on a real GPU this was not measured.
+/// processor time by −6 to −13 % at 100,000 atoms and by −47 to −57 % at 1,000,000; on a real GPU this was not measured.
 pub(super) const FEWEST: usize = 16_384;
 
 /// What a cluster lies in, in the space of its block.

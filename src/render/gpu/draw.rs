@@ -65,7 +65,7 @@ impl Draw<'_> {
             self.passes.frame.set_sample(self.gpu, region, [done, total]);
             under_way.push_back(self.gpu.submit("sample", |encoder| {
                 self.geometry(encoder, targets, region);
-                self.add(encoder, (Added::Light, done), &sky, targets, region);
+                self.add(encoder, (Added::Light { asks: self.asks }, done), &sky, targets, region);
             }));
             if under_way.len() > in_flight
                 && let Some(oldest) = under_way.pop_front()

@@ -8,7 +8,7 @@ use super::device::Gpu;
 use super::layout::{KINDS, PlacementConstants, VERTICES};
 use super::listed::Listed;
 use super::passes::Passes;
-use super::passes::geometry::Geometry;
+use super::passes::geometry::{Geometry, Late};
 use crate::error::{Error, Result};
 use crate::math::Aabb;
 use crate::scene::{Block, CylinderInstance, Scene, SphereInstance};
@@ -178,11 +178,15 @@ impl Instances {
         if all > 2 * once {
             return Vec::new();
         }
-        let mut listed = Vec::new();
-        for (placement, &block) in self.placed.iter().enumerate() {
-            for (kind, chunks) in self.blocks[block].0[..2].iter().enumerate() {
-                let chunks = chunks.0.iter().enumerate().filter(|(_, chunk)| !chunk.boxes.is_empty());
-                listed.extend(chunks.map(|(number, chunk)| Listed::new(gpu, cull, [placement, kind, number], chunk)));
+        // Numbered as they are drawn.
+        let mut listed: Vec<Listed> = Vec::new();
+        for kind in 0..2 {
+            for (placement, &block) in self.placed.iter().enumerate() {
+                let chunks = self.blocks[block].0[kind].0.iter().enumerate();
+                for (number, chunk) in chunks.filter(|(_, chunk)| !chunk.boxes.is_empty()) {
+                    let first = listed.last().map_or(0, Listed::end);
+                    listed.push(Listed::new(gpu, cull, [placement, kind, number], chunk, first));
+                }
             }
         }
         listed
@@ -257,12 +261,37 @@ impl Instances {
     }
 
     /// Draws what the lists of a kind hold.
-    pub(super) fn draw_listed(
+    fn draw_listed(
         &self,
         pipelines: &[wgpu::RenderPipeline; 2],
         pass: &mut wgpu::RenderPass<'_>,
         kind: usize,
         listed: &[Listed],
+    ) {
+        self.each_listed((pipelines, kind), pass, listed, Listed::draw);
+    }
+
+    /// Draws what of the lists was found late, and shades what of them is small.
+    pub(super) fn draw_late(
+        &self,
+        late: &Late,
+        owners: &wgpu::BindGroup,
+        pass: &mut wgpu::RenderPass<'_>,
+        listed: &[Listed],
+    ) {
+        pass.set_bind_group(3, owners, &[]);
+        for kind in 0..2 {
+            self.each_listed((&late.listed, kind), pass, listed, Listed::draw);
+            self.each_listed((&late.small, kind), pass, listed, Listed::draw_small);
+        }
+    }
+
+    fn each_listed(
+        &self,
+        (pipelines, kind): (&[wgpu::RenderPipeline; 2], usize),
+        pass: &mut wgpu::RenderPass<'_>,
+        listed: &[Listed],
+        draw: impl Fn(&Listed, &mut wgpu::RenderPass<'_>),
     ) {
         let Some(pipeline) = pipelines.get(kind) else { return };
         let mut of_kind = listed.iter().filter(|listed| listed.kind() == kind).peekable();
@@ -272,7 +301,7 @@ impl Instances {
         for listed in of_kind {
             let (group, offset) = self.placement(listed.placement());
             pass.set_bind_group(1, group, &offset);
-            listed.draw(pass);
+            draw(listed, pass);
         }
     }
 }

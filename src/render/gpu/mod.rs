@@ -8,7 +8,7 @@
 //!
 //! The path is the one for WebGL2-class devices: instanced vertex buffers, textures read by `textureLoad`, integer
 //! targets, no compute, no storage buffers, no blending. Larger textures and buffers are used where the device has them, and where it
-//! computes, what others hide is not drawn ([`passes::cull`]); where it does not, the CPU leaves out what is not in the picture ([`clusters`]).
+//! computes, what others hide is not drawn, and what is small not by quads ([`passes::cull`]); where it does not, the CPU leaves out what is not in the picture ([`clusters`]).
 //! Pictures beyond a texture are drawn in tiles, with the same rays as the whole.
 //!
 //! Limits: on a device whose textures end at 2048 pixels the ground map has at most 2046 texels a side.

@@ -55,6 +55,12 @@ impl Frame {
         written.as_ref().map(|frame| Frustum::new(frame, region))
     }
 
+    /// Whether there is ground in the picture.
+    pub(super) fn has_ground(&self) -> bool {
+        let written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
+        written.as_ref().is_none_or(|frame| frame.ground_color[3] > 0.5)
+    }
+
     /// Sample `done` of `total` of a part of the picture.
     pub(in crate::render::gpu) fn set_sample(&self, gpu: &Gpu, region: Region, [done, total]: [u32; 2]) {
         let (offset, turn) = (sample_offset(done, total), SampleConstants::pack_turn(done, total));

@@ -1,9 +1,11 @@
 //! The visible surface of one sample: every primitive a quad that bounds it tightly, an exact intersection a fragment.
 //!
-//! Where lists are kept (see [`super::cull`]), it is two passes over the same targets: what was seen last time, then what else is.
+//! Where lists are kept (see [`super::cull`]), it is two passes over the same targets: what was seen last time, then what else is, and the
+//! pixels that small balls and sticks have: those are no quads, but pixels that a compute pass has given them.
 
 use super::cull::Cull;
 use super::frame::Frame;
+use super::pyramid::Pyramid;
 use super::{Parts, Passes, cleared, layout, module, pipeline, set_part, uniform};
 use crate::error::Result;
 use crate::render::gpu::device::Gpu;
@@ -21,10 +23,18 @@ pub(in crate::render::gpu) struct Geometry {
     pub(in crate::render::gpu) pipelines: [wgpu::RenderPipeline; KINDS],
     /// Of the balls and sticks that a list names, where the device can list them.
     pub(in crate::render::gpu) listed: Option<[wgpu::RenderPipeline; 2]>,
-    /// The same for what is drawn late: a ball that is as near as a stick is seen, as if it had been drawn before.
-    late: Option<[wgpu::RenderPipeline; 2]>,
+    late: Option<Late>,
     /// Group 1: a placement, by dynamic offset.
     pub(in crate::render::gpu) placement_layout: wgpu::BindGroupLayout,
+}
+
+/// Pipelines of what is drawn late: a ball that is as near as a stick is seen, as if it had been drawn before.
+#[derive(Debug)]
+pub(in crate::render::gpu) struct Late {
+    /// Of balls and sticks that a list names.
+    pub(in crate::render::gpu) listed: [wgpu::RenderPipeline; 2],
+    /// Of the pixels that small ones have.
+    pub(in crate::render::gpu) small: [wgpu::RenderPipeline; 2],
 }
 
 impl Geometry {
@@ -36,7 +46,7 @@ impl Geometry {
         gpu: &Gpu,
         frame: &Frame,
         placement_layout: wgpu::BindGroupLayout,
-        cull: Option<&Cull>,
+        cull: Option<(&Cull, &Pyramid)>,
     ) -> Result<Geometry> {
         let instances = |array_stride: usize, attributes: &'static [wgpu::VertexAttribute]| wgpu::VertexBufferLayout {
             array_stride: array_stride as u64,
@@ -68,30 +78,38 @@ impl Geometry {
                 groups: &[&frame.layout, &placement_layout],
                 instances: Some(instances),
                 depth: Some(depth.clone()),
+                constants: &[],
             };
             pipeline(gpu, parts)
         });
         let (mut listed, mut late) = (None, None);
-        if let Some(cull) = cull {
-            let of = |label: &str, entries: [&str; 2], module: &wgpu::ShaderModule, compare| {
-                let groups = [&frame.layout, &placement_layout, &cull.drawn_layout];
-                let instances = Some(instances(size_of::<u32>(), &LISTED_ATTRIBUTES));
-                let depth = Some(wgpu::DepthStencilState { depth_compare: Some(compare), ..depth.clone() });
-                pipeline(
-                    gpu,
-                    Parts { label, module, entries, format: SURFACE_FORMAT, groups: &groups, instances, depth },
-                )
+        if let Some((cull, pyramid)) = cull {
+            let kinds = ["sphere", "cylinder"];
+            let of = |kind: usize, way: &str, compare| {
+                let is_small = way == "small";
+                let (label, file) = (format!("{way} {}s", kinds[kind]), format!("{}_{way}.wgsl", kinds[kind]));
+                let vertex = if is_small { "vs_small".to_owned() } else { format!("vs_{}_{way}", kinds[kind]) };
+                let fragment = format!("fs_{}{}", kinds[kind], if is_small { "_small" } else { "" });
+                let groups = [&frame.layout, &placement_layout, &cull.drawn_layout, &pyramid.owners_layout];
+                let parts = Parts {
+                    label: &label,
+                    module: &module(gpu, &file)?,
+                    entries: [&vertex, &fragment],
+                    format: SURFACE_FORMAT,
+                    groups: if is_small { &groups } else { &groups[..3] },
+                    instances: (!is_small).then(|| instances(size_of::<u32>(), &LISTED_ATTRIBUTES)),
+                    depth: Some(wgpu::DepthStencilState { depth_compare: Some(compare), ..depth.clone() }),
+                    constants: &[],
+                };
+                Ok(pipeline(gpu, parts))
             };
-            let modules = [module(gpu, "sphere_listed.wgsl")?, module(gpu, "cylinder_listed.wgsl")?];
-            let spheres = |compare| of("listed spheres", ["vs_sphere_listed", "fs_sphere"], &modules[0], compare);
-            let cylinders = of(
-                "listed cylinders",
-                ["vs_cylinder_listed", "fs_cylinder"],
-                &modules[1],
-                wgpu::CompareFunction::Greater,
-            );
-            listed = Some([spheres(wgpu::CompareFunction::Greater), cylinders.clone()]);
-            late = Some([spheres(wgpu::CompareFunction::GreaterEqual), cylinders]);
+            use wgpu::CompareFunction::{Greater, GreaterEqual};
+            let sticks = of(1, "listed", Greater)?;
+            listed = Some([of(0, "listed", Greater)?, sticks.clone()]);
+            late = Some(Late {
+                listed: [of(0, "listed", GreaterEqual)?, sticks],
+                small: [of(0, "small", GreaterEqual)?, of(1, "small", Greater)?],
+            });
         }
         Ok(Geometry { pipelines, listed, late, placement_layout })
     }
@@ -114,8 +132,9 @@ impl Geometry {
             }
             _ => None,
         };
-        if let Some((instances, cull, ..)) = lists {
-            cull.recall(encoder, frame, (instances, listed));
+        if let Some((instances, cull, _, over)) = lists {
+            over.clear(encoder);
+            cull.recall(encoder, frame, (instances, listed), &over.pixels_group);
         }
         self.draw(encoder, frame, targets, region, (true, lists.is_none()), |pass| {
             // What is no ball or stick comes after all of these.
@@ -127,10 +146,10 @@ impl Geometry {
         });
         if let Some((instances, cull, pyramid, over)) = lists {
             pyramid.record(encoder, over);
-            cull.find(encoder, frame, (instances, listed), &over.group);
+            cull.find(encoder, frame, (instances, listed), [&over.group, &over.pixels_group]);
             self.draw(encoder, frame, targets, region, (false, true), |pass| {
                 if let Some(late) = &self.late {
-                    (0..2).for_each(|kind| instances.draw_listed(late, pass, kind, listed));
+                    instances.draw_late(late, &over.owners_group, pass, listed);
                 }
                 instances.draw(self, pass, 2..KINDS, (None, listed));
             });

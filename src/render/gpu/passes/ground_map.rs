@@ -23,7 +23,7 @@ impl GroundMapPass {
         let entries = [uniform(gpu, 0, size_of::<FieldConstants>(), false), texture(1, FLOATS), texture(2, FLOATS)];
         let field_layout = layout(gpu, "field", &entries);
         let shader = ["ground_map.wgsl", "fs_ground_map"];
-        let pipeline = fullscreen_pipeline(gpu, frame, shader, GROUND_FORMAT, &[&field_layout])?;
+        let pipeline = fullscreen_pipeline(gpu, frame, shader, GROUND_FORMAT, &[&field_layout], &[])?;
         Ok(GroundMapPass { pipeline, field_layout })
     }
 

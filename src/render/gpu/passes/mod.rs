@@ -5,9 +5,9 @@
 //! | pass | shader | reads | writes | when |
 //! |---|---|---|---|---|
 //! | [`ground_map`] | `ground_map.wgsl` | the distance field | light on the ground | scene, light or ground changed |
-//! | [`geometry`] | `sphere.wgsl`, … | instances, placements | id, depth, normal, colour of one sample | every sample |
+//! | [`geometry`] | `sphere.wgsl`, … | instances, placements, what [`cull`] drew | id, depth, normal, colour of one sample | every sample |
 //! | [`pyramid`] | `pyramid.wgsl` | the depth so far | the farthest of every 16, 256, 4096 pixels | every sample, where the device computes |
-//! | [`cull`] | `cull.wgsl` | boxes of clusters, instances, that | lists of what [`geometry`] draws | every sample, twice, where the device computes |
+//! | [`cull`] | `cull.wgsl` | boxes of clusters, instances, that | small balls and sticks, lists of the others for [`geometry`] | every sample, twice, where the device computes |
 //! | [`shade`] | `shade_pass.wgsl` | that, tubes of sky and key light, the sum before | the sum | every sample |
 //! | [`resolve`] | `resolve.wgsl` | the sum, light on the ground, text | pixels | once shown |
 //!
@@ -61,7 +61,7 @@ impl Passes {
             }
             Ok(Passes {
                 ground_map: GroundMapPass::new(gpu, &frame)?,
-                geometry: Geometry::new(gpu, &frame, placement, cull.as_ref())?,
+                geometry: Geometry::new(gpu, &frame, placement, cull.as_ref().zip(pyramid.as_ref()))?,
                 cull,
                 pyramid,
                 shade: Shade::new(gpu, &frame)?,
@@ -171,10 +171,12 @@ struct Parts<'a> {
     /// Drawn as strips, an instance each, with depth; without them one triangle covers the target.
     instances: Option<wgpu::VertexBufferLayout<'a>>,
     depth: Option<wgpu::DepthStencilState>,
+    /// Values of the fragment stage's overrides.
+    constants: &'a [(&'a str, f64)],
 }
 
 fn pipeline(gpu: &Gpu, parts: Parts<'_>) -> wgpu::RenderPipeline {
-    let Parts { label, module, entries, format, groups, instances, depth } = parts;
+    let Parts { label, module, entries, format, groups, instances, depth, constants } = parts;
     let groups: Vec<_> = groups.iter().map(|&group| Some(group)).collect();
     let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(label),
@@ -202,7 +204,10 @@ fn pipeline(gpu: &Gpu, parts: Parts<'_>) -> wgpu::RenderPipeline {
         fragment: Some(wgpu::FragmentState {
             module,
             entry_point: Some(entries[1]),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants,
+                ..wgpu::PipelineCompilationOptions::default()
+            },
             targets: &[Some(wgpu::ColorTargetState { format, blend: None, write_mask: wgpu::ColorWrites::ALL })],
         }),
         multiview_mask: None,
@@ -210,17 +215,19 @@ fn pipeline(gpu: &Gpu, parts: Parts<'_>) -> wgpu::RenderPipeline {
     })
 }
 
-/// A pipeline that draws one triangle over a target; `groups` come after that of the frame.
+/// A pipeline that draws one triangle over a target; `groups` come after that of the frame, `constants` are values of overrides.
 fn fullscreen_pipeline(
     gpu: &Gpu,
     frame: &Frame,
     [file, entry]: [&str; 2],
     format: wgpu::TextureFormat,
     groups: &[&wgpu::BindGroupLayout],
+    constants: &[(&str, f64)],
 ) -> Result<wgpu::RenderPipeline> {
     let groups: Vec<_> = std::iter::once(&frame.layout).chain(groups.iter().copied()).collect();
     let (label, entries, module) = (entry, ["vs_fullscreen", entry], &module(gpu, file)?);
-    Ok(pipeline(gpu, Parts { label, module, entries, format, groups: &groups, instances: None, depth: None }))
+    let (groups, instances, depth) = (&groups, None, None);
+    Ok(pipeline(gpu, Parts { label, module, entries, format, groups, instances, depth, constants }))
 }
 
 /// Records a triangle over the part of the target that the region takes; the rest is cleared.

@@ -1,5 +1,6 @@
-//! Three levels over the depth buffer, each texel the farthest of sixteen of the level below, for [`super::cull`]: whether anything hides
-//! what covers up to 256 pixels a side is asked of 25 texels at most. Wants a device that computes.
+//! What small balls and sticks leave in each pixel (see shaders/small.wgsl), and three levels over that and the depth buffer, each texel the
+//! farthest of sixteen of the level below, for [`super::cull`]: whether anything hides what covers up to 256 pixels a side is asked of 25
+//! texels at most. Wants a device that computes.
 
 use super::{compute_pipeline, layout, module, storage};
 use crate::error::Result;
@@ -9,15 +10,33 @@ use crate::render::gpu::device::Gpu;
 #[derive(Debug)]
 pub(in crate::render::gpu) struct Pyramid {
     levels: [wgpu::ComputePipeline; 3],
-    /// Group 3: the depth buffer, the levels.
+    /// Group 3: the depth buffer, pixels and levels.
     pub(super) layout: wgpu::BindGroupLayout,
+    /// The same without the depth buffer, to write pixels.
+    pub(super) pixels_layout: wgpu::BindGroupLayout,
+    /// To read pixels in a draw.
+    pub(super) owners_layout: wgpu::BindGroupLayout,
 }
+
+/// Words before those of the pixels, twin of `PIXELS` in shaders/hidden.wgsl.
+const HEADER: u64 = 4;
 
 /// A pyramid over one depth buffer.
 #[derive(Debug)]
 pub(in crate::render::gpu) struct PyramidOf {
     size: [u32; 2],
+    buffer: wgpu::Buffer,
     pub(in crate::render::gpu) group: wgpu::BindGroup,
+    pub(in crate::render::gpu) pixels_group: wgpu::BindGroup,
+    pub(in crate::render::gpu) owners_group: wgpu::BindGroup,
+}
+
+impl PyramidOf {
+    /// Has no pixel be anyone's.
+    pub(in crate::render::gpu) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
+        let bytes = 8 * u64::from(self.size[0]) * u64::from(self.size[1]);
+        encoder.clear_buffer(&self.buffer, 4 * HEADER, Some(bytes));
+    }
 }
 
 impl Pyramid {
@@ -37,20 +56,32 @@ impl Pyramid {
         let module = module(gpu, "pyramid.wgsl")?;
         let groups = [None, None, None, Some(&layout)];
         let levels = ["level_1", "level_2", "level_3"].map(|entry| compute_pipeline(gpu, &module, entry, &groups));
-        Ok(Pyramid { levels, layout })
+        let pixels_layout = super::layout(gpu, "pixels", &[storage(1, compute, false)]);
+        let owners_layout = super::layout(gpu, "owners", &[storage(1, wgpu::ShaderStages::FRAGMENT, true)]);
+        Ok(Pyramid { levels, layout, pixels_layout, owners_layout })
     }
 
     /// Over a depth buffer of this size.
     pub(in crate::render::gpu) fn over(&self, gpu: &Gpu, depth: &wgpu::TextureView, size: [u32; 2]) -> PyramidOf {
         let texels: u64 = (1..=3).map(|level| sides(size, level).map(u64::from)).map(|[w, h]| w * h).sum();
-        let buffer = gpu.empty_buffer("pyramid", wgpu::BufferUsages::STORAGE, 4 * texels);
+        let pixels = 2 * u64::from(size[0]) * u64::from(size[1]);
+        let buffer = gpu.empty_buffer("pyramid", wgpu::BufferUsages::STORAGE, 4 * (HEADER + pixels + texels));
+        gpu.write(&buffer, bytemuck::bytes_of(&size));
         let entries = [
             wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(depth) },
             wgpu::BindGroupEntry { binding: 1, resource: buffer.as_entire_binding() },
         ];
-        let layout = &self.layout;
-        let descriptor = wgpu::BindGroupDescriptor { label: Some("pyramid"), layout, entries: &entries };
-        PyramidOf { size, group: gpu.device.create_bind_group(&descriptor) }
+        let group = |layout, entries| {
+            let descriptor = wgpu::BindGroupDescriptor { label: Some("pyramid"), layout, entries };
+            gpu.device.create_bind_group(&descriptor)
+        };
+        let groups = [
+            group(&self.layout, &entries),
+            group(&self.pixels_layout, &entries[1..]),
+            group(&self.owners_layout, &entries[1..]),
+        ];
+        let [group, pixels_group, owners_group] = groups;
+        PyramidOf { size, buffer, group, pixels_group, owners_group }
     }
 
     /// Makes the levels of what the depth buffer holds.

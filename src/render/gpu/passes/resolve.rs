@@ -18,7 +18,8 @@ pub(in crate::render::gpu) struct Resolve {
 /// A pipeline and the layout of its group 1: the sum, the ground's light, and for windows the text.
 #[derive(Debug, Clone)]
 pub(in crate::render::gpu) struct ResolvePipeline {
-    pipeline: wgpu::RenderPipeline,
+    /// With ground, and without.
+    pipelines: [wgpu::RenderPipeline; 2],
     layout: wgpu::BindGroupLayout,
 }
 
@@ -26,8 +27,8 @@ impl Resolve {
     pub(super) fn new(gpu: &Gpu, frame: &Frame) -> Result<Resolve> {
         let image_layout = layout(gpu, "resolve", &[texture(0, WORDS), texture(1, WORDS)]);
         let window_layout = layout(gpu, "present", &[texture(0, WORDS), texture(1, WORDS), texture(2, WORDS)]);
-        let pipeline = fullscreen_pipeline(gpu, frame, ["resolve.wgsl", "fs_resolve"], IMAGE_FORMAT, &[&image_layout])?;
-        Ok(Resolve { image: ResolvePipeline { pipeline, layout: image_layout }, window_layout })
+        let image = ResolvePipeline::new(gpu, frame, "fs_resolve", IMAGE_FORMAT, image_layout)?;
+        Ok(Resolve { image, window_layout })
     }
 
     /// The one for pictures.
@@ -44,13 +45,25 @@ impl Resolve {
     ) -> Result<ResolvePipeline> {
         gpu.guard("building the window's pipeline", || {
             let entry = if format.is_srgb() { "fs_present_linear" } else { "fs_present" };
-            let pipeline = fullscreen_pipeline(gpu, frame, ["resolve.wgsl", entry], format, &[&self.window_layout])?;
-            Ok(ResolvePipeline { pipeline, layout: self.window_layout.clone() })
+            ResolvePipeline::new(gpu, frame, entry, format, self.window_layout.clone())
         })
     }
 }
 
 impl ResolvePipeline {
+    fn new(
+        gpu: &Gpu,
+        frame: &Frame,
+        entry: &str,
+        format: wgpu::TextureFormat,
+        layout: wgpu::BindGroupLayout,
+    ) -> Result<ResolvePipeline> {
+        let of = |constants: &[(&str, f64)]| {
+            fullscreen_pipeline(gpu, frame, ["resolve.wgsl", entry], format, &[&layout], constants)
+        };
+        Ok(ResolvePipeline { pipelines: [of(&[])?, of(&[("has_ground", 0.0)])?], layout })
+    }
+
     /// What it reads, in the order of the layout.
     pub(in crate::render::gpu) fn inputs(&self, gpu: &Gpu, views: &[&wgpu::TextureView]) -> wgpu::BindGroup {
         textures(gpu, "resolve", &self.layout, views)
@@ -65,6 +78,13 @@ impl ResolvePipeline {
         target: &wgpu::TextureView,
         region: Region,
     ) {
-        fullscreen(encoder, frame, ("resolve", &self.pipeline), &[inputs], target, region);
+        fullscreen(
+            encoder,
+            frame,
+            ("resolve", &self.pipelines[usize::from(!frame.has_ground())]),
+            &[inputs],
+            target,
+            region,
+        );
     }
 }
