@@ -7,7 +7,7 @@ use super::passes::pyramid::PyramidOf;
 use crate::error::Result;
 use crate::scene::Region;
 
-/// Pixels of a tile at most: the targets take 52 bytes a pixel, so 109 MB.
+/// Pixels of a tile at most: the targets take 52 bytes a pixel, and 8 more where the device computes, so 126 MB.
 const TILE_PIXELS: u32 = 1 << 21;
 
 /// Textures for one sample and the sum of samples.
