@@ -17,8 +17,8 @@ use sample::{Bytes, FileBytes};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Smaller files have no glimpse: 8 MB of mmCIF are a scene after 0.15 s on two cores, and 12 MB of XYZ well within a second.
-const LEAST_BYTES: u64 = 12 << 20;
+/// Smaller files have no glimpse: 8 MB of mmCIF are a scene after 0.15 s on two cores, and 12 MB of XYZ after 0.7 to 0.9.
+const LEAST_BYTES: u64 = 8 << 20;
 /// Bytes of the beginning that tell the format (chosen: a file's first atoms are usually in them).
 const HEAD_BYTES: usize = 1 << 18;
 /// So long it may take (chosen: something is to be seen within a second of the program's start).
