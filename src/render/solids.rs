@@ -390,18 +390,29 @@ impl Solids {
         torus.is_some()
     }
 
-    /// Adds a cone or triangle of other solids.
-    pub fn push_other(&mut self, of: &Solids, index: usize) {
+    /// Adds a primitive of other solids.
+    pub fn push(&mut self, of: &Solids, index: usize) {
         match of.primitive(index) {
+            Primitive::Sphere(i) => {
+                self.spheres.push(of.spheres[i]);
+                self.sphere_looks.push(of.sphere_looks[i]);
+            }
+            Primitive::Cylinder(i) => {
+                self.cylinders.push(of.cylinders[i]);
+                self.cylinder_looks.push(of.cylinder_looks[i]);
+            }
             Primitive::Cone(i) => {
                 self.cones.push(of.cones[i]);
                 self.cone_looks.push(of.cone_looks[i]);
+            }
+            Primitive::Torus(i) => {
+                self.tori.push(of.tori[i]);
+                self.torus_looks.push(of.torus_looks[i]);
             }
             Primitive::Triangle(i) => {
                 self.triangles.push(of.triangles[i]);
                 self.triangle_looks.push(of.triangle_looks[i]);
             }
-            Primitive::Sphere(_) | Primitive::Cylinder(_) | Primitive::Torus(_) => {}
         }
     }
 

@@ -6,7 +6,6 @@
 
 use super::intersect::{cone_t, cylinder_t, torus_ts};
 use super::lanes::{LANES, Lanes};
-use super::reach::Points;
 use super::simd::{Work, widest};
 use crate::math::{max, min};
 use crate::render::solids::{Cone, Cylinder, Primitive, Solids, Torus, Triangle};
@@ -18,44 +17,43 @@ pub(super) type Mask = [u32; LANES];
 
 /// Clears the lanes that primitive `index` hides the light from; bits of those that are left.
 #[inline(always)]
-pub(super) fn behind(solids: &Solids, index: u32, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
+pub(super) fn behind(solids: &Solids, index: u32, d: Vec3, position: &[Lanes; 3], free: &mut Mask) -> u32 {
     match solids.primitive(index as usize) {
         Primitive::Sphere(s) => {
             let sphere = &solids.spheres[s];
-            behind_sphere(sphere.center, sphere.radius, index, d, points, free)
+            behind_sphere(sphere.center, sphere.radius, d, position, free)
         }
         Primitive::Cylinder(c) if solids.cylinders[c].is_open() => {
-            behind_open_stick(&solids.cylinders[c], d, &points.position, free)
+            behind_open_stick(&solids.cylinders[c], d, position, free)
         }
         Primitive::Cylinder(c) => {
             let cylinder = &solids.cylinders[c];
-            let mut left = behind_cylinder(cylinder, cylinder.axis().dot(d), index, d, points, free);
+            let mut left = behind_cylinder(cylinder, cylinder.axis().dot(d), d, position, free);
             for (end, round) in cylinder.ends().into_iter().zip(cylinder.round()) {
                 if round {
-                    left = behind_sphere(end, cylinder.radius, index, d, points, free);
+                    left = behind_sphere(end, cylinder.radius, d, position, free);
                 }
             }
             left
         }
-        Primitive::Cone(c) => behind_cone(&solids.cones[c], index, d, &points.position, &points.own, free),
-        Primitive::Triangle(t) => behind_triangle(&solids.triangles[t], d, &points.position, free),
-        Primitive::Torus(t) => behind_torus(&solids.tori[t], d, &points.position, free),
+        Primitive::Cone(c) => behind_cone(&solids.cones[c], d, position, free),
+        Primitive::Triangle(t) => behind_triangle(&solids.triangles[t], d, position, free),
+        Primitive::Torus(t) => behind_torus(&solids.tori[t], d, position, free),
     }
 }
 
 /// Clears the lanes that a ball hides the light from; bits of those that are left.
 #[inline(always)]
-fn behind_sphere(c: Vec3, radius: f32, index: u32, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
+fn behind_sphere(c: Vec3, radius: f32, d: Vec3, position: &[Lanes; 3], free: &mut Mask) -> u32 {
     let r2 = radius * radius;
-    let [px, py, pz] = &points.position;
+    let [px, py, pz] = position;
     let mut left = 0;
     for lane in 0..LANES {
         let (x, y, z) = (c.x - px[lane], c.y - py[lane], c.z - pz[lane]);
         let along = x * d.x + y * d.y + z * d.z;
         let away = x * x + y * y + z * z;
         // Either the ray starts inside, or the ball is ahead and near enough to the ray.
-        let hit = (away < r2) | ((along > 0.0) & (away - along * along < r2));
-        let hides = hit & (points.own[lane] != index);
+        let hides = (away < r2) | ((along > 0.0) & (away - along * along < r2));
         free[lane] = if hides { 0 } else { free[lane] };
         left |= free[lane];
     }
@@ -94,7 +92,7 @@ impl Work for BehindTorus<'_> {
 /// `cosine` is that of axis and direction. A ray is free where the part of it inside of the endless cylinder (about its point
 /// nearest to the axis) and the one between the planes of the ends do not overlap beyond its start.
 #[inline(always)]
-fn behind_cylinder(cylinder: &Cylinder, cosine: f32, index: u32, d: Vec3, points: &Points, free: &mut Mask) -> u32 {
+fn behind_cylinder(cylinder: &Cylinder, cosine: f32, d: Vec3, position: &[Lanes; 3], free: &mut Mask) -> u32 {
     let (c, a, h, radius) = (cylinder.center, cylinder.axis(), cylinder.half_length, cylinder.radius);
     let n = a.cross(d);
     let sine2 = n.dot(n);
@@ -103,7 +101,7 @@ fn behind_cylinder(cylinder: &Cylinder, cosine: f32, index: u32, d: Vec3, points
     let over_sine2 = if parallel { 0.0 } else { 1.0 / sine2 };
     let over_cosine = if flat { 0.0 } else { 1.0 / cosine };
     let wide = f32::MAX;
-    let [px, py, pz] = &points.position;
+    let [px, py, pz] = position;
     let mut left = 0;
     for lane in 0..LANES {
         let (x, y, z) = (px[lane] - c.x, py[lane] - c.y, pz[lane] - c.z);
@@ -119,7 +117,7 @@ fn behind_cylinder(cylinder: &Cylinder, cosine: f32, index: u32, d: Vec3, points
         let (near, far) = (min(to_a, to_b), max(to_a, to_b));
         let (near, far) = (if flat { -level } else { near }, if flat { level } else { far });
         let (entry, exit) = (max(middle - half, near), min(middle + half, far));
-        let hides = (inside > 0.0) & (entry < exit) & (exit > 0.0) & (points.own[lane] != index);
+        let hides = (inside > 0.0) & (entry < exit) & (exit > 0.0);
         free[lane] = if hides { 0 } else { free[lane] };
         left |= free[lane];
     }
@@ -157,25 +155,25 @@ fn behind_triangle(triangle: &Triangle, d: Vec3, position: &[Lanes; 3], free: &m
     left
 }
 
-/// The same for a cone, which hides nothing from its own surface: lanes whose `own` primitive is `index`.
+/// The same for a cone.
 #[inline(always)]
-fn behind_cone(cone: &Cone, index: u32, d: Vec3, position: &[Lanes; 3], own: &[u32; LANES], free: &mut Mask) -> u32 {
-    clear(d, position, free, |ray, lane| (cone_t(ray, cone, 0.0) < f32::INFINITY) & (own[lane] != index))
+fn behind_cone(cone: &Cone, d: Vec3, position: &[Lanes; 3], free: &mut Mask) -> u32 {
+    clear(d, position, free, |ray| cone_t(ray, cone, 0.0) < f32::INFINITY)
 }
 
 /// The same for a stick with an open end, whose inside it may hide itself from.
 #[inline(always)]
 fn behind_open_stick(cylinder: &Cylinder, d: Vec3, position: &[Lanes; 3], free: &mut Mask) -> u32 {
-    clear(d, position, free, |ray, _| cylinder_t(ray, cylinder, 0.0) < f32::INFINITY)
+    clear(d, position, free, |ray| cylinder_t(ray, cylinder, 0.0) < f32::INFINITY)
 }
 
 #[inline(always)]
-fn clear(d: Vec3, position: &[Lanes; 3], free: &mut Mask, hides: impl Fn(&Ray, usize) -> bool) -> u32 {
+fn clear(d: Vec3, position: &[Lanes; 3], free: &mut Mask, hides: impl Fn(&Ray) -> bool) -> u32 {
     let [px, py, pz] = position;
     let mut left = 0;
     for lane in 0..LANES {
         let ray = Ray { origin: Vec3::new(px[lane], py[lane], pz[lane]), direction: d };
-        free[lane] = if hides(&ray, lane) { 0 } else { free[lane] };
+        free[lane] = if hides(&ray) { 0 } else { free[lane] };
         left |= free[lane];
     }
     left
@@ -218,7 +216,7 @@ mod tests {
             }
             Drawn::Cone(cone) => {
                 solids.cones.push(*cone);
-                behind_cone(cone, 0, d, &position, &[9; LANES], &mut free)
+                behind_cone(cone, d, &position, &mut free)
             }
             Drawn::Torus(torus) => {
                 solids.tori.push(*torus);
@@ -276,17 +274,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_free_stays_so_and_a_cone_hides_nothing_from_itself() {
+    fn what_is_not_free_stays_so() {
         let mut random = Random(5);
         let Drawn::Cone(cone) = random_drawn(&mut random, 0, DVec3::ZERO) else { unreachable!() };
         let at = |p: Vec3| p.to_array().map(|x| [x; LANES]);
-        let inside = at(cone.center);
-        let mut free = ALL;
-        let own = std::array::from_fn(|lane| lane as u32 % 2);
-        assert_eq!(behind_cone(&cone, 1, Vec3::X, &inside, &own, &mut free), u32::MAX);
-        assert_eq!(free, std::array::from_fn(|lane| if lane % 2 == 1 { u32::MAX } else { 0 }));
         let mut free = [0; LANES];
-        assert_eq!(behind_cone(&cone, 9, Vec3::X, &at(Vec3::splat(1e3)), &own, &mut free), 0);
+        assert_eq!(behind_cone(&cone, Vec3::X, &at(Vec3::splat(1e3)), &mut free), 0);
         let stick = cylinder(DVec3::ZERO, DVec3::Y, 2.0, 0.5, [0, 0]).unwrap();
         // Through the open tube, and at its wall from within.
         let mut free = ALL;

@@ -4,6 +4,7 @@
 //! blocks whatever the number of samples. Loops over lanes are plain Rust that becomes vector code (see [`super::simd`]).
 
 use super::tile::SIDE;
+use crate::math::min;
 use crate::render::settings::sample_offset;
 use std::ops::Range;
 
@@ -12,6 +13,30 @@ pub(super) const LANES: usize = 16;
 
 /// One number of each sample.
 pub(super) type Lanes = [f32; LANES];
+
+/// A bit for each lane.
+#[inline(always)]
+pub(super) fn bits(is_set: impl Fn(usize) -> bool) -> u32 {
+    let mut bits = 0;
+    for lane in 0..LANES {
+        bits |= u32::from(is_set(lane)) << lane;
+    }
+    bits
+}
+
+/// The smallest of the lanes, by halves: one after the other would wait for each.
+#[inline(always)]
+pub(super) fn low_of(x: &Lanes) -> f32 {
+    let mut x = *x;
+    let mut half = LANES / 2;
+    while half > 0 {
+        for lane in 0..half {
+            x[lane] = min(x[lane], x[lane + half]);
+        }
+        half /= 2;
+    }
+    x[0]
+}
 
 /// One pass over the picture: which samples the lanes of a block are.
 #[derive(Debug, Clone, PartialEq)]

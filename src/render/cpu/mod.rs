@@ -10,17 +10,19 @@
 mod backdrop;
 mod behind;
 mod binning;
-mod bunches;
-pub mod casters;
-mod clusters;
+mod bodies;
+pub mod clusters;
 mod facts;
 mod few;
 mod ground_in_motion;
+mod hiders;
 pub mod intersect;
 mod lanes;
+mod lit;
 mod looks;
 mod moved;
 mod packs;
+mod rays;
 mod reach;
 pub mod reference;
 mod shade;
@@ -34,10 +36,12 @@ mod visibility;
 
 use super::field::{Field, GroundMap};
 use super::frame::FrameConstants;
+use super::solids::Solids;
 use super::{GBuffer, Image, Renderer, Settings, SkyVisibility, View, overlay, sky};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
-use bunches::Copies;
+use glam::Affine3A;
+use hiders::Hiders;
 use packs::Packs;
 use reach::Lights;
 use std::sync::Arc;
@@ -55,8 +59,8 @@ pub struct CpuRenderer {
     of_copies: bool,
     /// Of such a scene the distance fields of the blocks, made when light or ground first need them.
     block_fields: Vec<Arc<Field>>,
-    /// And what light from afar asks.
-    copies: Option<Copies>,
+    /// What light from afar asks, made when it is first asked for.
+    hiders: Option<Hiders>,
     /// See [`MOST_SPREAD`].
     most_spread: usize,
     /// The distance field of the loaded scene, made when a ground first needs it.
@@ -67,7 +71,7 @@ pub struct CpuRenderer {
     sky_map: Option<(FrameConstants, GroundMap)>,
     /// The balls and sticks of the loaded scene in packs, made when a picture first needs them.
     packs: Option<Packs>,
-    /// What is known of the sky's and the key light's directions of the loaded scene.
+    /// Which directions of the sky and the key light samples ask.
     lights: Lights,
 }
 
@@ -77,7 +81,7 @@ impl Default for CpuRenderer {
             scene: None,
             of_copies: false,
             block_fields: Vec::new(),
-            copies: None,
+            hiders: None,
             most_spread: MOST_SPREAD,
             field: None,
             ground_maps: [None, None],
@@ -108,28 +112,29 @@ impl CpuRenderer {
         CpuRenderer::default()
     }
 
-    /// Makes ready what light from afar and a ground need of the blocks, if the scene is drawn from these.
-    fn find_copies(&mut self, scene: &Scene, asks: bool, has_ground: bool) {
-        if !(self.of_copies && (asks || has_ground)) {
-            return;
-        }
-        if self.block_fields.len() != scene.blocks.len() {
+    /// Makes ready what light from afar and a ground need of the scene.
+    fn find_hiders(&mut self, scene: &Scene, asks: bool, has_ground: bool) {
+        if self.of_copies && (asks || has_ground) && self.block_fields.len() != scene.blocks.len() {
             let field = |block| Arc::new(Field::of_block(scene, block));
             self.block_fields = (0..scene.blocks.len()).map(field).collect();
         }
-        if asks && self.copies.is_none() {
-            self.copies = Some(Copies::new(scene, &self.block_fields));
+        if asks && self.hiders.is_none() {
+            self.hiders = Some(match (&self.field, self.of_copies) {
+                (_, true) => Hiders::of_copies(scene, &self.block_fields),
+                (Some(field), false) => Hiders::new(field.solids()),
+                (None, false) => Hiders::new(&Solids::new(scene, Affine3A::IDENTITY)),
+            });
         }
     }
 
     /// The scene, or an empty one, and what its channels need to know of it.
     fn known(&mut self, asks: bool) -> (Arc<Scene>, Known<'_>) {
         let scene = self.scene.clone().unwrap_or_else(|| Arc::new(Scene::from_blocks(Vec::new(), Vec::new())));
-        self.find_copies(&scene, asks, false);
+        self.find_hiders(&scene, asks, false);
         if self.of_copies {
             self.packs.get_or_insert_with(|| Packs::new(&scene));
         }
-        let known = Known { packs: self.packs.as_ref(), of_copies: self.of_copies, copies: self.copies.as_ref() };
+        let known = Known { packs: self.packs.as_ref(), of_copies: self.of_copies, hiders: self.hiders.as_ref() };
         (scene, known)
     }
 
@@ -160,20 +165,18 @@ impl CpuRenderer {
         let frame = FrameConstants::new(&scene, view, settings);
         // Drawing in motion does not ask, and must not throw away what the picture at rest needs again.
         let asks = settings.ao > 0 || settings.shadow;
-        self.find_copies(&scene, asks, frame.has_ground());
         let is_quick = !asks && settings.samples == 1 && settings.ground_texels < Settings::QUICK_GROUND;
         let sky_frame = is_quick.then(|| frame.lit_from_above(&scene, view, settings));
+        self.find_hiders(&scene, false, frame.has_ground());
         let ground_map = self.ground_map(&scene, &frame, sky_frame);
-        let mut none = Lights::none();
+        self.find_hiders(&scene, asks, false);
+        let none = Lights::none();
         if asks {
             self.lights.update(&frame, settings);
         }
-        if !asks || self.of_copies {
-            self.packs.get_or_insert_with(|| Packs::new(&scene));
-        }
-        let packs = self.packs.as_ref().filter(|_| !asks || self.of_copies);
-        let known = Known { packs, of_copies: self.of_copies, copies: self.copies.as_ref() };
-        let lights = if asks { &mut self.lights } else { &mut none };
+        let packs = Some(&*self.packs.get_or_insert_with(|| Packs::new(&scene)));
+        let known = Known { packs, of_copies: self.of_copies, hiders: self.hiders.as_ref() };
+        let lights = if asks { &self.lights } else { &none };
         let mut image = tiles::image(&scene, view, settings, (&ground_map, lights, known), stop);
         if stop.load(Ordering::Relaxed) {
             return None;
@@ -202,7 +205,7 @@ impl Renderer for CpuRenderer {
             self.field = None;
             self.lights = Lights::none();
             self.packs = None;
-            self.copies = None;
+            self.hiders = None;
             self.block_fields = Vec::new();
             self.ground_maps = [None, None];
             self.of_copies = is_of_copies(&scene, self.most_spread);

@@ -509,7 +509,7 @@ impl Facts for Packed<'_> {
             Some(member) => member,
             None => {
                 let number = self.of_shader(index) as usize;
-                alone.push_other(self.others, number);
+                alone.push(self.others, number);
                 return Some(alone);
             }
         };

@@ -82,7 +82,7 @@ fn both(scene: &Scene, view: &View, samples: u32) -> [Image; 2] {
     let (packs, go_on) = (Packs::new(scene), AtomicBool::new(false));
     [Some(&packs), None].map(|packs| {
         let known = Known { packs, ..Known::default() };
-        tiles::image(scene, view, &settings, (&ground, &mut Lights::none(), known), &go_on)
+        tiles::image(scene, view, &settings, (&ground, &Lights::none(), known), &go_on)
     })
 }
 

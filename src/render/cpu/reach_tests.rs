@@ -2,6 +2,7 @@ use super::*;
 use crate::color::Srgb8;
 use crate::render::sky;
 use crate::render::sky::{START_OFFSET, reach};
+use crate::render::solids::Solids;
 use crate::render::test_shapes::{Random, Shape, at};
 use crate::scene::{Block, CylinderInstance, Placement, Ray, SphereInstance};
 use glam::DVec3;
@@ -74,47 +75,79 @@ fn at_once(directions: Vec<Vec3>) -> Turns {
 
 const UNASKED: Reach = Reach { open: -1.0, key: -2.0 };
 
-/// What points with normals are told of these directions of the sky and of the key light; asked in clusters from so many
-/// primitives on.
-fn ask(scene: &Scene, sky: &Turns, key: &Turns, points: &[(Vec3, Vec3)], many: usize) -> Vec<Reach> {
+/// Points in packets.
+struct Given(Vec<Points>);
+
+impl Packets for Given {
+    fn runs(&self) -> usize {
+        2
+    }
+
+    fn len_of(&self, run: usize) -> usize {
+        let half = self.0.len() / 2;
+        if run == 0 { half } else { self.0.len() - half }
+    }
+
+    fn bounds(&self) -> Aabb {
+        let [low, high] = [f32::min as fn(f32, f32) -> f32, f32::max].map(|of| {
+            let axis = |axis: usize| self.0.iter().flat_map(|p| p.position[axis]).reduce(of).unwrap_or_default();
+            Vec3::new(axis(0), axis(1), axis(2))
+        });
+        Aabb { min: low, max: high }
+    }
+
+    fn points(&self, run: usize, packet: usize) -> Points {
+        self.0[run * (self.0.len() / 2) + packet]
+    }
+}
+
+/// What points with normals are told of these directions of the sky and of the key light.
+fn ask(scene: &Scene, sky: &Turns, key: &Turns, points: &[(Vec3, Vec3)]) -> Vec<Reach> {
     let center = scene.bounds().center();
-    let mut lights =
-        Lights { sky: Light::new(sky.clone()), key: Light::new(key.clone()), samples: 1, ..Lights::default() };
-    // A view with the world's axes, so that its space is the world's but for the eye.
+    let lights = Lights { sky: sky.clone(), key: key.clone(), samples: 1, ..Lights::default() };
     let camera = crate::scene::Camera {
         eye: Vec3::new(1.0, -2.0, 30.0),
-        world_from_view: glam::Quat::IDENTITY,
+        world_from_view: glam::Quat::from_rotation_y(0.4),
         projection: crate::scene::Projection::Orthographic { height: 10.0 },
         near: 0.1,
         far: 100.0,
         target: center,
         shift: [0.0; 2],
     };
-    let in_view = Solids::new(scene, camera.view_from_world());
-    let shadows = Shadows::with(scene, &View::new(camera, 10, 10), &in_view, &mut lights, many);
-    let questions = shadows.look(&mut lights, &(0..1));
-    let told = points.chunks(LANES).flat_map(|chunk| {
-        let mut block = Points { own: [NOBODY; LANES], ..Points::default() };
-        for (lane, (p, n)) in chunk.iter().enumerate() {
-            let start = *p - camera.eye + *n * START_OFFSET;
+    let view_from_world = camera.view_from_world();
+    let hiders = Hiders::new(&Solids::new(scene, Affine3A::IDENTITY));
+    let shadows = Shadows::new(scene, &View::new(camera, 10, 10), &hiders);
+    let packet = |chunk: &[(Vec3, Vec3)]| {
+        // The last stands in all further lanes, and does not ask there.
+        let mut packet = Points::default();
+        for lane in 0..LANES {
+            let (p, n) = chunk[lane.min(chunk.len() - 1)];
+            let start = view_from_world.transform_point3(p + n * START_OFFSET);
+            let n = view_from_world.transform_vector3(n);
             for axis in 0..3 {
-                block.position[axis][lane] = start[axis];
-                block.normal[axis][lane] = n[axis];
+                packet.position[axis][lane] = start[axis];
+                packet.normal[axis][lane] = n[axis];
             }
-            block.asks[lane] = 1.0;
+            packet.asks[lane] = if lane < chunk.len() { 1.0 } else { 0.0 };
         }
-        questions.ask(&mut block, 0, UNASKED);
-        (0..chunk.len()).map(move |lane| Reach { open: block.told[0][lane], key: block.told[1][lane] })
-    });
-    told.collect()
+        packet
+    };
+    let given = Given(points.chunks(LANES).map(packet).collect());
+    let mut packets = given.0.clone();
+    let answers = shadows.answers(&lights, &[(0, given)]);
+    for (number, packet) in packets.iter_mut().enumerate() {
+        answers[0].tell(number, packet, UNASKED);
+    }
+    let told = |i: usize| packets[i / LANES].told.map(|told| told[i % LANES]);
+    (0..points.len()).map(told).map(|[open, key]| Reach { open, key }).collect()
 }
 
 /// What visible points are told, and what rays find, one after the other through the whole scene.
-fn compare(scene: &Scene, sky: &Turns, key: &Turns, count: usize, many: usize) -> Vec<(Reach, Reach)> {
+fn compare(scene: &Scene, sky: &Turns, key: &Turns, count: usize) -> Vec<(Reach, Reach)> {
     let shapes = shapes(scene);
     let points = visible_points(scene, &shapes, count);
     let asked: Vec<_> = points.iter().map(|(p, n)| (p.as_vec3(), n.as_vec3())).collect();
-    let told = ask(scene, sky, key, &asked, many);
+    let told = ask(scene, sky, key, &asked);
     let by_rays = |&(p, n): &(DVec3, DVec3)| {
         let free = |d: Vec3| {
             let origin = (p + n * f64::from(START_OFFSET)).as_vec3();
@@ -132,12 +165,12 @@ fn rms(pairs: &[(Reach, Reach)], of: fn(&Reach) -> f32) -> f64 {
 
 #[test]
 fn what_points_are_told_is_what_rays_find() {
-    // Sticks whose flat ends lie in balls, said so or not, and round ones; one by one and in clusters.
+    // Sticks whose flat ends lie in balls, said so or not, and round ones.
     let scenes = [(30, 5, 3), (300, 5, 0), (300, 10, 0), (3000, 5, 3)];
-    for ((count, caps, hidden), many) in scenes.into_iter().flat_map(|scene| [(scene, usize::MAX), (scene, 0)]) {
+    for (count, caps, hidden) in scenes {
         let scene = chain(u64::from(count), count, caps, hidden);
         let key = Turns::of_key(Vec3::new(-0.5, 0.7, 0.5).normalize(), 1);
-        let pairs = compare(&scene, &at_once(sky::directions(64)), &key, 1000, many);
+        let pairs = compare(&scene, &at_once(sky::directions(64)), &key, 1000);
         let (open, lit) = (rms(&pairs, |r| r.open), rms(&pairs, |r| r.key));
         println!("{count} atoms: rms {open:.5} of the sky, {lit:.5} of the key light");
         let mean = pairs.iter().map(|(want, _)| want.open).sum::<f32>() / pairs.len() as f32;
@@ -155,7 +188,7 @@ fn a_ball_alone_hides_nothing_from_itself_however_grazing() {
     let scene = Scene::from_blocks(vec![Block { spheres, id_count: 1, ..Block::default() }], vec![placement]);
     let center = Vec3::new(300.0, -200.0, 100.0);
     let points: Vec<(Vec3, Vec3)> = sky::directions(2000).into_iter().map(|n| (center + n * 1.3, n)).collect();
-    for told in ask(&scene, &at_once(sky::directions(64)), &Turns::default(), &points, usize::MAX) {
+    for told in ask(&scene, &at_once(sky::directions(64)), &Turns::default(), &points) {
         assert_eq!(told, Reach { open: 1.0, key: UNASKED.key });
     }
 }
@@ -163,6 +196,25 @@ fn a_ball_alone_hides_nothing_from_itself_however_grazing() {
 #[test]
 fn nothing_is_asked_of_an_empty_scene() {
     let scene = Scene::from_blocks(Vec::new(), Vec::new());
-    let told = ask(&scene, &at_once(sky::directions(4)), &Turns::default(), &[(Vec3::ZERO, Vec3::Y)], 0);
+    let told = ask(&scene, &at_once(sky::directions(4)), &Turns::default(), &[(Vec3::ZERO, Vec3::Y)]);
     assert_eq!(told, [UNASKED]);
+}
+
+/// Points in two small heaps very far apart, and a row of them: the cells must not become more than the points are worth, nor too wide to be
+/// right.
+#[test]
+fn points_far_apart_are_told_the_same() {
+    let heap = chain(9, 200, 5, 3);
+    let shapes = shapes(&heap);
+    let points: Vec<(Vec3, Vec3)> =
+        visible_points(&heap, &shapes, 300).into_iter().map(|(p, n)| (p.as_vec3(), n.as_vec3())).collect();
+    let sky = at_once(sky::directions(64));
+    let alone = ask(&heap, &sky, &Turns::default(), &points);
+    let far = Vec3::new(20_000.0, 3.0, -5.0);
+    let with_far: Vec<_> = points.iter().copied().chain((0..40).map(|i| (far * (i as f32 / 40.0), Vec3::Y))).collect();
+    let told = ask(&heap, &sky, &Turns::default(), &with_far);
+    // Seen from far away places are rounded more coarsely.
+    let apart = alone.iter().zip(&told).filter(|(a, b)| (a.open - b.open).abs() > 0.05).count();
+    assert!(apart < 5, "{apart} of {}", points.len());
+    assert!(told[points.len() + 20..].iter().all(|told| told.open > 0.99), "{:?}", &told[points.len() + 20..]);
 }

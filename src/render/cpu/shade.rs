@@ -5,13 +5,13 @@
 use super::backdrop::Backdrop;
 use super::behind::Mask;
 use super::facts::{Looks, Memo};
-use super::lanes::{LANES, Lanes};
-use super::reach::{NOBODY, Points, Questions};
+use super::lanes::{LANES, Lanes, bits};
+use super::reach::Points;
 use super::shader::Shader;
 use super::source::Facts;
 use super::tile::{Place, SIDE, Tile};
 use crate::color::Srgb8;
-use crate::math::max;
+use crate::math::{Aabb, max, min};
 use crate::render::frame::{self, shade_outline, shade_surfaces};
 use crate::render::outline::RIM;
 use crate::render::sky::start_offset;
@@ -37,46 +37,196 @@ pub(super) struct Surfaces {
     albedo: [Lanes; 3],
 }
 
-/// Adds the light of a tile to its sums (planes of [`super::backdrop::Sums`], rows of `width` pixels): sample by sample, as all
-/// pixels ask the same directions in one sample.
+/// What a group of pixels shows in one sample, kept until it is known what light reaches it.
+pub(super) struct Packet {
+    t: Lanes,
+    normal: [Lanes; 3],
+    albedo: [Lanes; 3],
+    /// Upper left pixel in the full picture, and the place of the sample in each.
+    corner: [u32; 2],
+    offset_px: [f32; 2],
+    /// Number of the sample in the pixel's sequence.
+    pub(super) sample: u32,
+    /// Row and column of the group in its tile.
+    group: [u8; 2],
+    /// Bits of the lanes that see a primitive, that ask, and that see a line.
+    seen: u16,
+    asks: u16,
+    lines: u16,
+}
+
+/// The packets of a tile, and what box their points are in, view space.
+pub(super) struct Kept {
+    pub(super) packets: Vec<Packet>,
+    /// Samples in the order of the packets, and where those of each end.
+    pub(super) samples: Vec<(u32, usize)>,
+    low: [Lanes; 3],
+    high: [Lanes; 3],
+}
+
+impl Kept {
+    /// Without packets, in the room of those before.
+    pub(super) fn of(mut packets: Vec<Packet>) -> Kept {
+        packets.clear();
+        Kept { packets, samples: Vec::new(), low: [[f32::INFINITY; LANES]; 3], high: [[f32::NEG_INFINITY; LANES]; 3] }
+    }
+
+    /// The box around all points.
+    pub(super) fn bounds(&self) -> Aabb {
+        if self.packets.is_empty() {
+            return Aabb::EMPTY;
+        }
+        let of = |of: fn(f32, f32) -> f32, lanes: &Lanes| lanes.iter().copied().fold(lanes[0], of);
+        let [low, high] = [self.low.map(|lanes| of(min, &lanes)), self.high.map(|lanes| of(max, &lanes))];
+        Aabb { min: low.into(), max: high.into() }
+    }
+
+    #[inline(always)]
+    fn around(&mut self, points: &Points) {
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                let (x, asks) = (points.position[axis][lane], points.asks[lane] > 0.0);
+                let (low, high) = (&mut self.low[axis][lane], &mut self.high[axis][lane]);
+                *low = min(if asks { x } else { *low }, *low);
+                *high = max(if asks { x } else { *high }, *high);
+            }
+        }
+    }
+}
+
+impl Packet {
+    /// Where its points are and which way they face, view space; they were told nothing.
+    #[inline(always)]
+    pub(super) fn points(&self, shader: &Shader<'_>, grid: &PixelGrid) -> Points {
+        let [u, v] = plane(grid, self.corner, self.offset_px);
+        let seen = self.mask(self.seen);
+        let (hit, depth) = hits(shader, grid, [&u, &v], &self.t, &seen);
+        let mut points = Points { normal: self.normal, ..Points::default() };
+        for lane in 0..LANES {
+            let offset = start_offset(depth[lane]);
+            for (position, (hit, normal)) in points.position.iter_mut().zip(hit.iter().zip(&self.normal)) {
+                position[lane] = hit[lane] + normal[lane] * offset;
+            }
+            points.asks[lane] = if self.asks >> lane & 1 != 0 { 1.0 } else { 0.0 };
+        }
+        points
+    }
+
+    #[inline(always)]
+    fn mask(&self, bits: u16) -> Mask {
+        std::array::from_fn(|lane| if bits >> lane & 1 != 0 { u32::MAX } else { 0 })
+    }
+}
+
+/// The groups of pixels of a tile that may see something, sample by sample: sample, and row and column.
 #[inline(always)]
-pub(super) fn add(
-    (shader, source): (&Shader<'_>, &dyn Facts),
-    questions: &Questions<'_>,
-    place: &Place<'_>,
-    tile: &Tile,
-    (sums, width): (&mut [f32], usize),
-) {
-    let (blocks, mut memo) = (GROUP / place.pass.side as usize, Memo::new(source));
+fn groups(place: &Place<'_>, tile: &Tile, width: usize) -> Vec<(usize, [usize; 2])> {
+    let blocks = GROUP / place.pass.side as usize;
+    let mut groups = Vec::new();
     for sample in 0..place.pass.per_pixel() {
-        let (number, unasked) = (place.pass.sample[sample], shader.frame.unasked());
         for row in 0..width / GROUP {
             for column in 0..width / GROUP {
                 let columns = column * blocks..(column + 1) * blocks;
                 let touched = &tile.touched[row * blocks..(row + 1) * blocks];
-                if !touched.iter().any(|row| row[columns.clone()].contains(&true)) {
-                    continue;
-                }
-                let samples = gather((shader, source), place, tile, sample, [row, column]);
-                if !any(&samples.seen) {
-                    continue;
-                }
-                let told = told(source, place, tile, (sample, &samples.seen), [row, column]);
-                let (surfaces, mut points) = surfaces((shader, &mut memo), place, (samples, told));
-                questions.ask(&mut points, number, unasked);
-                let light = light(shader, place.grid.orthographic, &surfaces, &points);
-                let seen: Lanes = surfaces.samples.seen.map(|seen| if seen != 0 { 1.0 } else { 0.0 });
-                for (plane, lanes) in [&light[0], &light[1], &light[2], &seen].into_iter().enumerate() {
-                    for y in 0..GROUP {
-                        let start = (plane * width + row * GROUP + y) * width + column * GROUP;
-                        for (sum, lane) in sums[start..start + GROUP].iter_mut().zip(&lanes[y * GROUP..(y + 1) * GROUP])
-                        {
-                            *sum += lane;
-                        }
-                    }
+                if touched.iter().any(|row| row[columns.clone()].contains(&true)) {
+                    groups.push((sample, [row, column]));
                 }
             }
         }
+    }
+    groups
+}
+
+/// Keeps what a tile of so many pixels' width shows, sample by sample.
+#[inline(always)]
+pub(super) fn keep(
+    (shader, source): (&Shader<'_>, &dyn Facts),
+    place: &Place<'_>,
+    tile: &Tile,
+    (kept, width): (&mut Kept, usize),
+) {
+    let (mut memo, groups) = (Memo::new(source), groups(place, tile, width));
+    kept.packets.reserve(groups.len());
+    for (sample, group) in groups {
+        let samples = gather((shader, source), place, tile, sample, group);
+        if !any(&samples.seen) {
+            continue;
+        }
+        let told = told(source, place, tile, (sample, &samples.seen), group);
+        let (surfaces, points) = surfaces((shader, &mut memo), place, (samples, told));
+        let Surfaces { samples, albedo } = surfaces;
+        kept.around(&points);
+        let number = place.pass.sample[sample];
+        match kept.samples.last_mut() {
+            Some((last, end)) if *last == number => *end += 1,
+            _ => kept.samples.push((number, kept.packets.len() + 1)),
+        }
+        kept.packets.push(Packet {
+            t: samples.t,
+            normal: points.normal,
+            albedo,
+            corner: corner(place, group),
+            offset_px: [place.pass.x[sample], place.pass.y[sample]],
+            sample: number,
+            group: group.map(|place| place as u8),
+            seen: bits(|lane| samples.seen[lane] != 0) as u16,
+            asks: bits(|lane| points.asks[lane] > 0.0) as u16,
+            lines: bits(|lane| samples.index[lane] & RIM != 0) as u16,
+        });
+    }
+}
+
+/// Adds the light of a packet whose points were told what reaches them to the sums of its tile.
+#[inline(always)]
+pub(super) fn add_packet(
+    (shader, grid): (&Shader<'_>, &PixelGrid),
+    packet: &Packet,
+    points: &Points,
+    (sums, width): (&mut [f32], usize),
+) {
+    let [u, v] = plane(grid, packet.corner, packet.offset_px);
+    let (seen, lines) = (packet.mask(packet.seen), packet.mask(packet.lines));
+    let index = lines.map(|line| line & RIM);
+    let samples = Samples { u, v, t: packet.t, index, seen };
+    let surfaces = Surfaces { samples, albedo: packet.albedo };
+    let light = light(shader, grid.orthographic, &surfaces, points);
+    let [row, column] = packet.group.map(usize::from);
+    add_to(&light, &seen, [row, column], (sums, width));
+}
+
+/// Adds the light of a group of pixels to the sums of its tile (planes of [`super::backdrop::Sums`], rows of `width` pixels).
+#[inline(always)]
+fn add_to(light: &[Lanes; 3], seen: &Mask, [row, column]: [usize; 2], (sums, width): (&mut [f32], usize)) {
+    let seen: Lanes = seen.map(|seen| if seen != 0 { 1.0 } else { 0.0 });
+    for (plane, lanes) in [&light[0], &light[1], &light[2], &seen].into_iter().enumerate() {
+        for y in 0..GROUP {
+            let start = (plane * width + row * GROUP + y) * width + column * GROUP;
+            for (sum, lane) in sums[start..start + GROUP].iter_mut().zip(&lanes[y * GROUP..(y + 1) * GROUP]) {
+                *sum += lane;
+            }
+        }
+    }
+}
+
+/// Adds the light of a tile that asks for none from afar to its sums.
+#[inline(always)]
+pub(super) fn add(
+    (shader, source): (&Shader<'_>, &dyn Facts),
+    place: &Place<'_>,
+    tile: &Tile,
+    (sums, width): (&mut [f32], usize),
+) {
+    let mut memo = Memo::new(source);
+    for (sample, group) in groups(place, tile, width) {
+        let samples = gather((shader, source), place, tile, sample, group);
+        if !any(&samples.seen) {
+            continue;
+        }
+        let told = told(source, place, tile, (sample, &samples.seen), group);
+        let (surfaces, mut points) = surfaces((shader, &mut memo), place, (samples, told));
+        points.asks = [0.0; LANES];
+        let light = light(shader, place.grid.orthographic, &surfaces, &points);
+        add_to(&light, &surfaces.samples.seen, group, (sums, width));
     }
 }
 
@@ -146,13 +296,23 @@ fn any(mask: &Mask) -> bool {
     any != 0
 }
 
+/// The upper left pixel of a group.
+#[inline(always)]
+fn corner(place: &Place<'_>, [row, column]: [usize; 2]) -> [u32; 2] {
+    [place.corner[0] + (column * GROUP) as u32, place.corner[1] + (row * GROUP) as u32]
+}
+
 /// Plane coordinates of one sample of each pixel of a group.
 #[inline(always)]
-fn centers(place: &Place<'_>, sample: usize, [row, column]: [usize; 2]) -> [Lanes; 2] {
+fn centers(place: &Place<'_>, sample: usize, group: [usize; 2]) -> [Lanes; 2] {
     // The first pixel's sample is as far from its corner as every other's.
-    let (dx, dy) = (place.pass.x[sample], place.pass.y[sample]);
-    let (left, top) = (place.corner[0] + (column * GROUP) as u32, place.corner[1] + (row * GROUP) as u32);
-    let PixelGrid { center_px, plane_per_px, .. } = place.grid;
+    plane(&place.grid, corner(place, group), [place.pass.x[sample], place.pass.y[sample]])
+}
+
+/// Plane coordinates of the samples at a place in each pixel of a group.
+#[inline(always)]
+fn plane(grid: &PixelGrid, [left, top]: [u32; 2], [dx, dy]: [f32; 2]) -> [Lanes; 2] {
+    let PixelGrid { center_px, plane_per_px, .. } = *grid;
     let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
     for lane in 0..LANES {
         let (x, y) = ((left + (lane % GROUP) as u32) as f32 + dx, (top + (lane / GROUP) as u32) as f32 + dy);
@@ -235,6 +395,21 @@ fn behind(shader: &Shader<'_>, source: &dyn Facts, index: u32) -> f32 {
     }
 }
 
+/// Where samples hit, and how deep; on the near plane where they see nothing.
+#[inline(always)]
+fn hits(shader: &Shader<'_>, grid: &PixelGrid, [u, v]: [&Lanes; 2], t: &Lanes, seen: &Mask) -> ([Lanes; 3], Lanes) {
+    let near = shader.frame.depth[2];
+    // Rays start at (u, v, 0) and run along −z, or start at the eye and run along (u, v, −1).
+    let (start, slope) = if grid.orthographic { (1.0, 0.0) } else { (0.0, 1.0) };
+    let (mut hit, mut depth) = ([[0.0f32; LANES]; 3], [0.0f32; LANES]);
+    for lane in 0..LANES {
+        depth[lane] = if seen[lane] != 0 { t[lane] } else { near };
+        let aside = start + slope * depth[lane];
+        (hit[0][lane], hit[1][lane], hit[2][lane]) = (u[lane] * aside, v[lane] * aside, -depth[lane]);
+    }
+    (hit, depth)
+}
+
 /// The surfaces of samples.
 #[inline(always)]
 fn surfaces(
@@ -244,14 +419,9 @@ fn surfaces(
 ) -> (Surfaces, Points) {
     let near = shader.frame.depth[2];
     let Samples { u, v, t, seen, index } = &samples;
-    // Rays start at (u, v, 0) and run along −z, or start at the eye and run along (u, v, −1).
-    let (start, slope) = if place.grid.orthographic { (1.0, 0.0) } else { (0.0, 1.0) };
-    let (mut points, mut hit, mut depth) = (Points::default(), [[0.0f32; LANES]; 3], [0.0f32; LANES]);
-    for lane in 0..LANES {
-        depth[lane] = if seen[lane] != 0 { t[lane] } else { near };
-        let aside = start + slope * depth[lane];
-        (hit[0][lane], hit[1][lane], hit[2][lane]) = (u[lane] * aside, v[lane] * aside, -depth[lane]);
-    }
+    let slope = if place.grid.orthographic { 0.0 } else { 1.0 };
+    let (hit, depth) = hits(shader, &place.grid, [u, v], t, seen);
+    let mut points = Points::default();
     let mut surfaces = told.unwrap_or_else(|| Looks::of(memo, index, seen, &hit));
     for lane in 0..LANES {
         let d = Vec3::new(u[lane] * slope, v[lane] * slope, -1.0);
@@ -269,7 +439,6 @@ fn surfaces(
         }
         let is_line = index[lane] & RIM != 0;
         points.asks[lane] = if (seen[lane] != 0) & !cut & !is_line { 1.0 } else { 0.0 };
-        points.own[lane] = if shader.solids.see_through { NOBODY } else { index[lane] };
     }
     if any(&surfaces.others) {
         others((shader, memo.source()), place, &samples, &mut points, &mut surfaces);

@@ -6,11 +6,12 @@
 
 use super::backdrop::Row;
 use super::binning::Candidate;
-use super::bunches::Copies;
+use super::hiders::Hiders;
 use super::lanes::Pass;
+use super::lit;
 use super::packs::{Any, Packed, Packs};
-use super::reach::{Lights, Questions, Shadows};
-use super::shade;
+use super::reach::{Lights, Shadows};
+use super::shade::{self, Kept};
 use super::shader::Shader;
 use super::simd::{Work, widest};
 use super::source::{Facts, Listed, Source};
@@ -24,19 +25,18 @@ use crate::render::solids::Solids;
 use crate::render::{GBuffer, Image, Settings, View};
 use crate::scene::{PixelGrid, Region, Scene};
 use rayon::prelude::*;
-use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// What all tiles of a picture share.
-struct Picture<'a, S> {
-    shader: Shader<'a>,
+pub(super) struct Picture<'a, S> {
+    pub(super) shader: Shader<'a>,
     source: S,
     /// Pixels on a side of a tile.
-    tile: u32,
+    pub(super) tile: u32,
     /// Tiles in x and y.
     tiles: [u32; 2],
-    grid: PixelGrid,
+    pub(super) grid: PixelGrid,
     region: Region,
     near: f32,
     benches: Benches,
@@ -116,8 +116,10 @@ struct Shade<'w, 'r> {
 
 /// What becomes of what is seen.
 enum Then<'w, 'r> {
-    /// Its light is added to sums with rows of so many pixels.
-    Add(&'w Questions<'w>, &'w mut [f32], usize),
+    /// Its light, none of it from afar, is added to sums with rows of so many pixels.
+    Add(&'w mut [f32], usize),
+    /// It is kept, of a tile of so many pixels' width, until it is known what light reaches it.
+    Keep(&'w mut Kept, usize),
     /// It is the only sample, asks nothing, and makes the pixels; whether nothing is seen.
     Finish(&'w mut [&'r mut [Srgb8]], bool),
 }
@@ -127,7 +129,8 @@ impl Work for Shade<'_, '_> {
     fn run(self) {
         let Shade { shader, source, tile, place, then } = self;
         match then {
-            Then::Add(questions, sums, width) => shade::add((shader, source), questions, place, tile, (sums, width)),
+            Then::Add(sums, width) => shade::add((shader, source), place, tile, (sums, width)),
+            Then::Keep(kept, width) => shade::keep((shader, source), place, tile, (kept, width)),
             Then::Finish(rows, is_empty) => shade::finish((shader, source), place, (tile, is_empty), rows),
         }
     }
@@ -135,7 +138,7 @@ impl Work for Shade<'_, '_> {
 
 /// What the samples of a tile gave: planes of [`super::backdrop::Sums`], one after the other, rows of the tile's width. Empty
 /// where nothing was added yet.
-type TileSums = Vec<f32>;
+pub(super) type TileSums = Vec<f32>;
 
 impl<S: Source> Picture<'_, S> {
     /// The sums of all tiles before anything is added.
@@ -151,8 +154,15 @@ impl<S: Source> Picture<'_, S> {
         widest(Shade { shader: &self.shader, source: &self.source, tile: &bench.tile, place, then });
     }
 
-    /// Adds samples of a tile.
-    fn add(&self, bench: &mut Bench, tile: usize, (passes, questions): (&[Pass], &Questions<'_>), sums: &mut TileSums) {
+    /// How many pixels there are in tiles that anything reaches into.
+    fn reached(&self) -> usize {
+        let tiles = (self.tiles[0] * self.tiles[1]) as usize;
+        let reached = (0..tiles).filter(|&tile| !self.source.is_empty(tile)).count();
+        reached * (self.tile * self.tile) as usize
+    }
+
+    /// Adds samples of a tile that ask for no light from afar.
+    fn add(&self, bench: &mut Bench, tile: usize, passes: &[Pass], sums: &mut TileSums) {
         if self.source.is_empty(tile) {
             return;
         }
@@ -160,15 +170,28 @@ impl<S: Source> Picture<'_, S> {
         sums.resize(4 * side * side, 0.0);
         for pass in passes {
             let place = self.place(tile, pass);
-            self.draw(bench, tile, &place, Then::Add(questions, sums, side));
+            self.draw(bench, tile, &place, Then::Add(sums, side));
         }
     }
 
-    /// Adds samples of all tiles, unless `stop` becomes true.
-    fn add_to_all(&self, asked: (&[Pass], &Questions<'_>), sums: &mut [TileSums], stop: &AtomicBool) {
+    /// Adds samples of all tiles that ask for no light from afar, unless `stop` becomes true.
+    fn add_to_all(&self, passes: &[Pass], sums: &mut [TileSums], stop: &AtomicBool) {
         sums.par_iter_mut().enumerate().with_max_len(4).for_each(|(tile, sums)| {
             if !stop.load(Ordering::Relaxed) {
-                self.benches.at_one(|bench| self.add(bench, tile, asked, sums));
+                self.benches.at_one(|bench| self.add(bench, tile, passes, sums));
+            }
+        });
+    }
+
+    /// Keeps what samples of a tile show.
+    pub(super) fn keep(&self, tile: usize, passes: &[Pass], kept: &mut Kept) {
+        if self.source.is_empty(tile) {
+            return;
+        }
+        self.benches.at_one(|bench| {
+            for pass in passes {
+                let place = self.place(tile, pass);
+                self.draw(bench, tile, &place, Then::Keep(kept, self.tile as usize));
             }
         });
     }
@@ -275,8 +298,8 @@ pub(super) struct Known<'a> {
     pub(super) packs: Option<&'a Packs>,
     /// Whether its placements must not be spread out: its packs are then what is drawn, whatever it is.
     pub(super) of_copies: bool,
-    /// What light from afar then asks.
-    pub(super) copies: Option<&'a Copies>,
+    /// What light from afar asks, if it is asked for.
+    pub(super) hiders: Option<&'a Hiders>,
 }
 
 impl<'a> Known<'a> {
@@ -286,13 +309,16 @@ impl<'a> Known<'a> {
     }
 }
 
+/// What asks for light from afar.
+type Asked<'a> = Option<(Shadows<'a>, &'a Lights)>;
+
 /// The finished picture; unfinished, and of no use, if `stop` became true meanwhile.
 #[must_use]
 pub(super) fn image(
     scene: &Scene,
     view: &View,
     settings: &Settings,
-    (ground_map, lights, known): (&GroundMap, &mut Lights, Known<'_>),
+    (ground_map, lights, known): (&GroundMap, &Lights, Known<'_>),
     stop: &AtomicBool,
 ) -> Image {
     if let Some(lens) = Lens::of(scene, view) {
@@ -300,30 +326,34 @@ pub(super) fn image(
     }
     let frame = FrameConstants::new(scene, view, settings);
     let outline = Outline::of(&frame);
-    // Who asks for light from afar, asks all primitives.
-    let plain = known.packs.filter(|packs| !lights.asks() && outline.is_none() && packs.is_opaque());
+    let plain = known.packs.filter(|packs| outline.is_none() && packs.is_opaque());
     let packs = known.packs_of_copies().or(plain);
     let samples = settings.samples.clamp(1, 4096);
     let solids = solids_of(scene, view, packs);
-    let side = |part| Pass::all(part, samples).first().map_or(1, |pass| pass.side);
-    let shadows = Shadows::new(scene, view, (&solids, known.copies), lights);
-    let parts = lights.parts(&shadows, samples);
-    let tile = side(parts[0].clone()) * SIDE as u32;
+    let asked = asked(scene, view, (lights, known));
+    // Those who ask for light from afar are kept, some samples at a time.
+    let pass = Pass::all(0..if asked.is_some() { samples.min(4) } else { samples }, samples);
+    let tile = pass.first().map_or(1, |pass| pass.side) * SIDE as u32;
     let shader = Shader::new(&frame, &solids, ground_map);
-    let asked = (samples, parts, &shadows, lights);
     match packs {
         Some(packs) => {
             let source = Packed::new(scene, packs, &solids, outline.as_ref(), (view, tile));
             if source.is_any() {
-                return sampled(&Picture::new(shader, Any(source), view, tile), asked, stop);
+                return sampled(&Picture::new(shader, Any(source), view, tile), samples, asked, stop);
             }
-            sampled(&Picture::new(shader, source, view, tile), asked, stop)
+            sampled(&Picture::new(shader, source, view, tile), samples, asked, stop)
         }
         None => {
             let source = Listed::new(&solids, outline.as_ref(), view, tile);
-            sampled(&Picture::new(shader, source, view, tile), asked, stop)
+            sampled(&Picture::new(shader, source, view, tile), samples, asked, stop)
         }
     }
+}
+
+/// What asks for light from afar in a view, if anything does.
+fn asked<'a>(scene: &Scene, view: &View, (lights, known): (&'a Lights, Known<'a>)) -> Asked<'a> {
+    let hiders = known.hiders.filter(|_| lights.asks())?;
+    Some((Shadows::new(scene, view, hiders), lights))
 }
 
 /// What is not drawn from packs, in view space.
@@ -335,34 +365,27 @@ fn solids_of(scene: &Scene, view: &View, packs: Option<&Packs>) -> Solids {
     }
 }
 
-/// The picture of all samples, part by part.
-fn sampled<S: Source>(
-    picture: &Picture<'_, S>,
-    (samples, parts, shadows, lights): (u32, Vec<Range<u32>>, &Shadows<'_>, &mut Lights),
-    stop: &AtomicBool,
-) -> Image {
-    if samples == 1 && !lights.asks() {
+/// The picture of all samples.
+fn sampled<S: Source>(picture: &Picture<'_, S>, samples: u32, asked: Asked<'_>, stop: &AtomicBool) -> Image {
+    if samples == 1 && asked.is_none() {
         return picture.finished(stop);
     }
     let mut sums = picture.nothing();
-    let (last, before) = parts.split_last().unwrap_or((&(0..0), &[]));
-    for part in before {
+    let Some((shadows, lights)) = asked else {
+        let passes = Pass::all(0..samples, samples);
+        return picture.put_together(sums, stop, |bench, tile, mut sums| {
+            picture.add(bench, tile, &passes, &mut sums);
+            picture.finish(tile, sums, samples)
+        });
+    };
+    let mut room = Vec::new();
+    for part in lit::parts(picture.reached(), samples) {
         if stop.load(Ordering::Relaxed) {
             break;
         }
-        let questions = shadows.look(lights, part);
-        picture.add_to_all((&Pass::all(part.clone(), samples), &questions), &mut sums, stop);
+        lit::add(picture, (&part, samples), (&shadows, lights), (&mut sums, &mut room), stop);
     }
-    if stop.load(Ordering::Relaxed) {
-        // Nobody looks at it, and what is known of other directions is kept.
-        return picture.put_together(sums, stop, |_, _, _| Vec::new());
-    }
-    let questions = shadows.look(lights, last);
-    let passes = Pass::all(last.clone(), samples);
-    picture.put_together(sums, stop, |bench, tile, mut sums| {
-        picture.add(bench, tile, (&passes, &questions), &mut sums);
-        picture.finish(tile, sums, samples)
-    })
+    picture.put_together(sums, stop, |_, tile, sums| picture.finish(tile, sums, samples))
 }
 
 /// The finished picture through a lens: each sample with a camera of its own, then all of them together.
@@ -371,7 +394,7 @@ fn image_through(
     scene: &Scene,
     view: &View,
     settings: &Settings,
-    (ground_map, lights, known): (&GroundMap, &mut Lights, Known<'_>),
+    (ground_map, lights, known): (&GroundMap, &Lights, Known<'_>),
     stop: &AtomicBool,
 ) -> Image {
     let samples = settings.samples.clamp(1, 4096);
@@ -388,22 +411,33 @@ fn image_through(
         let view = lens.view(view, sample, samples);
         let frame = FrameConstants::new(scene, &view, settings);
         let solids = solids_of(scene, &view, packs);
-        let shadows = Shadows::new(scene, &view, (&solids, known.copies), lights);
-        // Directions hold for every point of the lens: those of a part are found once.
-        let parts = lights.parts(&shadows, samples);
-        let part = parts.into_iter().find(|part| part.contains(&sample)).unwrap_or(sample..sample + 1);
-        let questions = shadows.look(lights, &part);
-        let (outline, passes) = (Outline::of(&frame), [Pass::of_one(sample, samples)]);
-        let (shader, asked) = (Shader::new(&frame, &solids, ground_map), (&passes[..], &questions));
+        let (outline, asked) = (Outline::of(&frame), asked(scene, &view, (lights, known)));
+        let (shader, of) = (Shader::new(&frame, &solids, ground_map), (sample, samples));
         if let Some(packs) = packs {
             let source = Any(Packed::new(scene, packs, &solids, outline.as_ref(), (&view, side)));
-            Picture::new(shader, source, &view, side).add_to_all(asked, &mut sums, stop);
+            add_sample(&Picture::new(shader, source, &view, side), of, asked, &mut sums, stop);
         } else {
             let source = Listed::new(&solids, outline.as_ref(), &view, side);
-            Picture::new(shader, source, &view, side).add_to_all(asked, &mut sums, stop);
+            add_sample(&Picture::new(shader, source, &view, side), of, asked, &mut sums, stop);
         }
     }
     picture.put_together(sums, stop, |_, tile, sums| picture.finish(tile, sums, samples))
+}
+
+/// Adds one of so many samples to all tiles.
+fn add_sample<S: Source>(
+    picture: &Picture<'_, S>,
+    (sample, samples): (u32, u32),
+    asked: Asked<'_>,
+    sums: &mut [TileSums],
+    stop: &AtomicBool,
+) {
+    match asked {
+        Some((shadows, lights)) => {
+            lit::add(picture, (&(sample..sample + 1), samples), (&shadows, lights), (sums, &mut Vec::new()), stop);
+        }
+        None => picture.add_to_all(&[Pass::of_one(sample, samples)], sums, stop),
+    }
 }
 
 /// What is seen at the pixel centres.

@@ -1,19 +1,18 @@
 //! Sky visibility of what is seen at the pixel centres, on all cores: all directions, one part of them after the other.
 
 use super::lanes::LANES;
-use super::reach::{Lights, NOBODY, Points, Questions, Shadows};
+use super::reach::{Answers, Lights, Packets, Points, Shadows};
 use super::simd::{Work, widest};
 use super::tiles::{self, Known};
-use crate::math::max;
+use crate::math::{Aabb, max};
 use crate::render::image::{GBuffer, SkyVisibility};
 use crate::render::settings::View;
 use crate::render::sky::{Reach, start_offset};
-use crate::render::solids::Solids;
 use crate::scene::{Ray, Scene};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Directions whose tubes are there at a time: those of 64 take too much memory for a large scene.
+/// Directions that are asked at a time: the points of each are there as it sees them.
 const DIRECTIONS_AT_A_TIME: usize = 8;
 /// Blocks of points that a thread asks for together.
 const BLOCKS_TOGETHER: usize = 64;
@@ -34,18 +33,17 @@ pub(super) fn sky_visibility(scene: &Scene, view: &View, directions: &[Vec3], kn
         .collect();
     let mut open = vec![1.0; seen.id.len()];
     let mut blocks: Vec<Block> = covered.par_chunks(LANES).map(|pixels| block_of(view, &seen, pixels)).collect();
-    let solids = match known.copies {
-        Some(_) => Solids::default(),
-        None => Solids::new(scene, view.camera.view_from_world()),
-    };
-    let shadows = Shadows::new(scene, view, (&solids, known.copies), &mut Lights::of_sky(directions));
-    for part in directions.chunks(DIRECTIONS_AT_A_TIME) {
-        let mut lights = Lights::of_sky(part);
-        let questions = shadows.look(&mut lights, &(0..1));
-        blocks.par_chunks_mut(BLOCKS_TOGETHER).for_each(|blocks| {
-            widest(Ask { questions: &questions, blocks });
-            blocks.iter_mut().for_each(|block| block.add(view, part));
-        });
+    if let Some(hiders) = known.hiders {
+        let shadows = Shadows::new(scene, view, hiders);
+        let bounds = blocks.iter().fold(Aabb::EMPTY, |all, block| all.union(block.bounds()));
+        for part in directions.chunks(DIRECTIONS_AT_A_TIME) {
+            let answers = shadows.answers(&Lights::of_sky(part), &[(0, Blocks(&blocks, bounds))]);
+            blocks.par_chunks_mut(BLOCKS_TOGETHER).enumerate().for_each(|(some, blocks)| {
+                let first = some * BLOCKS_TOGETHER;
+                widest(Tell { answers: &answers, blocks, first });
+                blocks.iter_mut().for_each(|block| block.add(view, part));
+            });
+        }
     }
     for (pixels, block) in covered.chunks(LANES).zip(&blocks) {
         for (lane, &pixel) in pixels.iter().enumerate() {
@@ -59,7 +57,7 @@ pub(super) fn sky_visibility(scene: &Scene, view: &View, directions: &[Vec3], kn
 /// The points of up to sixteen pixels, in view space.
 fn block_of(view: &View, seen: &GBuffer, pixels: &[u32]) -> Block {
     let (grid, region) = (view.pixel_grid(), view.region());
-    let mut points = Points { own: [NOBODY; LANES], ..Points::default() };
+    let mut points = Points::default();
     for (lane, &pixel) in pixels.iter().enumerate() {
         let (x, y) = (pixel % region.width + region.x, pixel / region.width + region.y);
         let (t, normal) = (seen.depth[pixel as usize], Vec3::from(seen.normal[pixel as usize]));
@@ -75,6 +73,14 @@ fn block_of(view: &View, seen: &GBuffer, pixels: &[u32]) -> Block {
 }
 
 impl Block {
+    /// Around its points.
+    fn bounds(&self) -> Aabb {
+        let [x, y, z] = &self.points.position;
+        let asking = (0..LANES).filter(|&lane| self.points.asks[lane] > 0.0);
+        let at = asking.map(|lane| Vec3::new(x[lane], y[lane], z[lane]));
+        at.fold(Aabb::EMPTY, |all, p| all.union(Aabb { min: p, max: p }))
+    }
+
     /// Adds what a part of the directions told of the sky.
     fn add(&mut self, view: &View, directions: &[Vec3]) {
         let view_from_world = view.camera.view_from_world();
@@ -93,18 +99,43 @@ impl Block {
     }
 }
 
-/// The questions of some points, as work for [`widest`].
-struct Ask<'a> {
-    questions: &'a Questions<'a>,
-    blocks: &'a mut [Block],
+/// The points of all blocks, and the box around them.
+struct Blocks<'a>(&'a [Block], Aabb);
+
+impl Packets for Blocks<'_> {
+    fn runs(&self) -> usize {
+        1
+    }
+
+    fn len_of(&self, _run: usize) -> usize {
+        self.0.len()
+    }
+
+    fn bounds(&self) -> Aabb {
+        self.1
+    }
+
+    #[inline(always)]
+    fn points(&self, _run: usize, packet: usize) -> Points {
+        self.0[packet].points
+    }
 }
 
-impl Work for Ask<'_> {
+/// What some blocks, numbered from `first` on, are told, as work for [`widest`].
+struct Tell<'a> {
+    answers: &'a [Answers],
+    blocks: &'a mut [Block],
+    first: usize,
+}
+
+impl Work for Tell<'_> {
     #[inline(always)]
     fn run(self) {
-        for block in self.blocks {
-            // Where nothing hides anything there are no tubes, and nobody asks.
-            self.questions.ask(&mut block.points, 0, Reach { open: 1.0, key: 1.0 });
+        for (packet, block) in (self.first..).zip(self.blocks) {
+            // Where nothing hides anything nobody asks.
+            if let Some(answers) = self.answers.first() {
+                answers.tell(packet, &mut block.points, Reach { open: 1.0, key: 1.0 });
+            }
         }
     }
 }

@@ -1,0 +1,147 @@
+//! Pictures with light from afar: what samples show is kept until it is known what light reaches it.
+//!
+//! Some samples of all tiles at a time: their surfaces are found and kept, sixteen points in a packet; all points of a sample ask its
+//! directions together ([`super::rays`]); then they are shaded. Each point is kept in 30 bytes, so that a picture of 1920 × 1080
+//! takes four samples at a time.
+
+use super::lanes::{LANES, Pass};
+use super::reach::{Answers, Lights, Packets, Points, Shadows};
+use super::shade::{self, Kept, Packet};
+use super::shader::Shader;
+use super::simd::{Work, widest};
+use super::source::Source;
+use super::tiles::{Picture, TileSums};
+use crate::math::Aabb;
+use crate::scene::PixelGrid;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Bytes of packets that are kept at a time. Chosen: four samples of every pixel of 1920 × 1080 are 249 MB, where all of them show something.
+const MOST_BYTES: usize = 256 << 20;
+
+/// Whether there are so many bytes, with half as many for all else. Under a limit of the process' memory (`ulimit -v`, `ulimit -d`) it
+/// may not be so; a system without limits gives what is never touched.
+fn can_be_had(bytes: usize) -> bool {
+    Vec::<u8>::new().try_reserve_exact(bytes.saturating_add(bytes / 2)).is_ok()
+}
+
+/// The samples of a picture in parts that are worked on at once, if each has up to so many points.
+pub(super) fn parts(points: usize, samples: u32) -> Vec<Range<u32>> {
+    let one = points.div_ceil(LANES) * size_of::<Packet>();
+    let is_possible = |part: u32| part as usize * one <= MOST_BYTES && can_be_had(part as usize * one);
+    let part = [16, 4].into_iter().find(|&part| is_possible(part)).unwrap_or(1);
+    (0..samples).step_by(part as usize).map(|start| start..samples.min(start + part)).collect()
+}
+
+/// The packets of a sample, tile by tile.
+struct OfSample<'a> {
+    tiles: Vec<&'a [Packet]>,
+    /// How many there are.
+    count: usize,
+    shader: &'a Shader<'a>,
+    grid: &'a PixelGrid,
+    /// Around all points.
+    bounds: Aabb,
+}
+
+impl Packets for OfSample<'_> {
+    fn runs(&self) -> usize {
+        self.tiles.len()
+    }
+
+    fn len_of(&self, run: usize) -> usize {
+        self.tiles[run].len()
+    }
+
+    fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    #[inline(always)]
+    fn points(&self, run: usize, packet: usize) -> Points {
+        self.tiles[run][packet].points(self.shader, self.grid)
+    }
+}
+
+/// Adds some samples of all tiles, unless `stop` becomes true. `kept` is room to work in: what was there before does not matter.
+pub(super) fn add<S: Source>(
+    picture: &Picture<'_, S>,
+    (part, samples): (&Range<u32>, u32),
+    (shadows, lights): (&Shadows<'_>, &Lights),
+    (sums, kept): (&mut [TileSums], &mut Vec<Kept>),
+    stop: &AtomicBool,
+) {
+    let passes = Pass::all(part.clone(), samples);
+    kept.resize_with(sums.len(), || Kept::of(Vec::new()));
+    kept.par_iter_mut().enumerate().with_max_len(4).for_each(|(tile, kept)| {
+        *kept = Kept::of(std::mem::take(&mut kept.packets));
+        if !stop.load(Ordering::Relaxed) {
+            picture.keep(tile, &passes, kept);
+        }
+    });
+    let kept = &*kept;
+    let bounds = kept.iter().fold(Aabb::EMPTY, |all, kept| all.union(kept.bounds()));
+    let (shader, grid) = (&picture.shader, &picture.grid);
+    let of_sample = |sample| (sample, OfSample { tiles: Vec::new(), count: 0, shader, grid, bounds });
+    let mut of_samples: Vec<(u32, OfSample<'_>)> = part.clone().map(of_sample).collect();
+    // Where the packets of each tile start in each sample.
+    let mut starts: Vec<Vec<usize>> = Vec::with_capacity(kept.len());
+    for Kept { packets, samples, .. } in kept {
+        starts.push(of_samples.iter().map(|(_, of)| of.count).collect());
+        let mut start = 0;
+        for &(sample, end) in samples {
+            let (_, of) = &mut of_samples[(sample - part.start) as usize];
+            of.tiles.push(&packets[start..end]);
+            of.count += end - start;
+            start = end;
+        }
+    }
+    if stop.load(Ordering::Relaxed) {
+        return;
+    }
+    let answers = shadows.answers(lights, &of_samples);
+    let side = picture.tile as usize;
+    let tiles = sums.par_iter_mut().zip(kept).zip(starts);
+    tiles.with_max_len(4).for_each(|((sums, Kept { packets, .. }), starts)| {
+        if !packets.is_empty() && !stop.load(Ordering::Relaxed) {
+            sums.resize(4 * side * side, 0.0);
+            let told = Told { answers: &answers, first_sample: part.start, starts };
+            widest(Light { shader, grid, packets, told, sums, width: side });
+        }
+    });
+}
+
+/// What the packets of a tile are told.
+struct Told<'a> {
+    /// Of each sample.
+    answers: &'a [Answers],
+    first_sample: u32,
+    /// Where the next packet of each sample stands.
+    starts: Vec<usize>,
+}
+
+/// The light of a tile's packets, as work for [`widest`].
+struct Light<'a> {
+    shader: &'a Shader<'a>,
+    grid: &'a PixelGrid,
+    packets: &'a [Packet],
+    told: Told<'a>,
+    sums: &'a mut [f32],
+    width: usize,
+}
+
+impl Work for Light<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Light { shader, grid, packets, mut told, sums, width } = self;
+        let unasked = shader.frame.unasked();
+        for packet in packets {
+            let place = (packet.sample - told.first_sample) as usize;
+            let mut points = packet.points(shader, grid);
+            told.answers[place].tell(told.starts[place], &mut points, unasked);
+            told.starts[place] += 1;
+            shade::add_packet((shader, grid), packet, &points, (sums, width));
+        }
+    }
+}
