@@ -68,9 +68,9 @@
 //!   the light, and the sky's part from how far the field falls short above the ground ([`render::field`]). Where one would usually march
 //!   along the way, each primitive is asked at its own nearest point of it, found through the hierarchy: it is faster and leaves no bands.
 //! - Ambient occlusion is the part of the sky that a surface point sees, over 64 fixed directions, without a reach; the key light's shadow
-//!   on the molecule is the mean over 16 directions in a cone ([`render::sky`]). The reference casts rays; the product and the
-//!   GPU ask the primitives in the tube above a point ([`render::tubes`]), which is as exact: the CPU by distances across the direction
-//!   and heights along it, of large scenes in clusters of sixteen. The samples of a pixel share the directions out.
+//!   on the molecule is the mean over 16 directions in a cone ([`render::sky`]). The reference casts rays. The
+//!   GPU asks the primitives in the tube above a point ([`render::tubes`]); the CPU sorts all points that ask along a direction, and each
+//!   primitive asks those under it, by distances across the direction and heights along it. Both are as exact as rays. The samples of a pixel share the directions out.
 //! - A part of a picture ([`render::View::region`]) is byte for byte what it is in the whole: large pictures are made of such parts.
 //! - Outlines are flat rims that primitives wear, a little behind their silhouettes ([`render::outline`]); with depth of field every
 //!   sample has a camera of its own ([`render::lens`]).

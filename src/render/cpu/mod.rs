@@ -2,16 +2,17 @@
 //!
 //! [`mod@reference`] casts one ray after the other over a hierarchy, on one thread. [`tiles`] draws the same picture
 //! tile by tile on all cores with vector instructions: primitives are binned to tiles by their exact bounds, and each tile
-//! keeps a small depth buffer. Frames that ask for no light from afar find them pack by pack, as they are needed.
+//! keeps a small depth buffer. Where all are opaque and nothing is outlined they are found pack by pack, as they are needed. Points that ask for light
+//! from afar do so together, direction by direction (`rays`).
 //!
 //! Large scenes of copies (assemblies, supercells) are never spread out, whatever is asked: what is seen comes from packs, light from afar
-//! from `bunches`, the ground's light from the fields of the blocks ([`Field::of_copies`]), all made once for a block.
+//! from `hiders`, the ground's light from the fields of the blocks ([`Field::of_copies`]), all made once for a block.
 
 mod backdrop;
 mod behind;
 mod binning;
 mod bodies;
-pub mod clusters;
+mod clusters;
 mod facts;
 mod few;
 mod ground_in_motion;

@@ -1,8 +1,8 @@
 //! The reference's picture, tile by tile on all cores: visibility with the same bits, colours within 1/255.
 //!
 //! For each pass over a tile's samples the candidates are drawn front to back into a small depth buffer
-//! ([`super::tile`]), then what is seen is lit sixteen samples at a time ([`super::shade`]). Of a large scene only what some
-//! samples ask is known at once: these samples are added up in all tiles before the next are.
+//! ([`super::tile`]), then what is seen is lit sixteen samples at a time ([`super::shade`]). Samples that ask for light from afar are
+//! kept until it is known ([`super::lit`]), some of all tiles at a time.
 
 use super::backdrop::Row;
 use super::binning::Candidate;
