@@ -1,5 +1,5 @@
 // The scene's signed distance field over its hierarchy: the twins of src/render/field.rs and Hierarchy::visit. Boxes and
-// primitives are texels in rows of 2048: two a box (lower corner; upper corner), and two a primitive in the hierarchy's
+// primitives are texels in rows of 2048: two a box (lower corner, highest opacity; upper corner), and two a primitive in the hierarchy's
 // order (centre, radius; unit axis, half length). A sphere is a cylinder of no length and no axis. A radius below 0 marks a
 // round end a, a half length below 0 a round end b. Others, open sticks and all that is see-through too, have a radius of RARE times
 // their kind, and in place of the axis the number of the first of four texels that hold the rest.
@@ -93,9 +93,11 @@ fn is_way(query: Query) -> bool {
     return query.sharpness > 0.0;
 }
 
-// No primitive of a box answers with less than this.
+// No primitive of a box answers with less than this. What is see-through never answers with much less: without that a ray through thousands
+// of triangles would ask them all, and a device may stop a shader that takes so long.
 fn box_bound(index: u32, query: Query) -> f32 {
-    let low = textureLoad(boxes, texel_at(2u * index), 0).xyz;
+    let first = textureLoad(boxes, texel_at(2u * index), 0);
+    let low = first.xyz;
     let high = textureLoad(boxes, texel_at(2u * index + 1u), 0).xyz;
     if is_way(query) {
         let center = (low + high) * 0.5 - query.p;
@@ -103,11 +105,12 @@ fn box_bound(index: u32, query: Query) -> f32 {
         let t = dot(center, query.direction);
         let beside = length(center - query.direction * t) - radius;
         let farthest = t + radius;
-        return select(NO_HIT, query.sharpness * beside / farthest, farthest > 0.0);
+        let least = select(0.0, dimmed_way(0.0, first.w), first.w < 255.0);
+        return select(NO_HIT, max(query.sharpness * beside / farthest, least), farthest > 0.0);
     }
     // Twin of Aabb::distance. Inside a box the distance to what it holds may be negative: it is always entered.
     let distance = length(max(max(low - query.p, query.p - high), vec3<f32>(0.0)));
-    return select(distance, -NO_HIT, distance == 0.0);
+    return select(distance, select(-NO_HIT, dimmed_distance(0.0, query.start, first.w), first.w < 255.0), distance == 0.0);
 }
 
 // What is not below `best` may be anything above it.

@@ -70,6 +70,22 @@ impl Hierarchy {
         self.levels.len().saturating_sub(1)
     }
 
+    /// The highest of what `of` gives for the primitives in each box, in the order of the boxes.
+    #[must_use]
+    pub fn highest(&self, of: impl Fn(u32) -> u8) -> Vec<u8> {
+        let most = |values: &[u8]| values.iter().copied().max().unwrap_or(0);
+        let mut highest = Vec::with_capacity(self.boxes.len());
+        for leaf in self.order.chunks(WIDTH) {
+            highest.push(leaf.iter().map(|&index| of(index)).max().unwrap_or(0));
+        }
+        for level in self.levels.windows(2).take(self.depth().saturating_sub(1)) {
+            for node in (level[0] as usize..level[1] as usize).step_by(WIDTH) {
+                highest.push(most(&highest[node..(node + WIDTH).min(level[1] as usize)]));
+            }
+        }
+        highest
+    }
+
     /// Visits leaves that `enter` lets through, nearest first by the key it gives (smaller is nearer; `None` skips the
     /// node and all below). `leaf` gets primitive indices; what it changes, `enter` sees at later nodes.
     pub fn visit<S>(&self, state: &mut S, enter: impl Fn(&S, &Aabb) -> Option<f32>, mut leaf: impl FnMut(&mut S, u32)) {
@@ -150,6 +166,9 @@ mod tests {
             let mut seen = vec![0; count];
             hierarchy.visit(&mut (), |(), _| Some(0.0), |(), i| seen[i as usize] += 1);
             assert!(seen.iter().all(|&n| n == 1), "{count}");
+            let highest = hierarchy.highest(|index| (index % 251) as u8);
+            assert_eq!(highest.len(), hierarchy.boxes.len(), "{count}");
+            assert_eq!(highest.last().copied(), (0..count).map(|index| (index % 251) as u8).max());
             let Some(root) = hierarchy.boxes.last() else { continue };
             assert!(bounds.iter().all(|b| root.union(*b) == *root));
         }

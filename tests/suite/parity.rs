@@ -616,3 +616,36 @@ fn the_comparer_sees_a_shift_and_a_swap() {
     nearer.depth.iter_mut().for_each(|depth| *depth *= 0.999);
     assert!(judge_surfaces(&seen, &nearer).unwrap_err().contains("depths"));
 }
+
+/// Tens of thousands of see-through triangles above one another: a shader that asks them all at every point of the ground takes so long that
+/// devices stop it half-way.
+#[test]
+fn fine_see_through_meshes_darken_the_ground_alike() {
+    let Some(mut gpu) = gpu() else { return };
+    let mut block = Block { id_count: 1, ..Block::default() };
+    let corner =
+        |x: i32, z: i32, layer: i32| [0.1 * x as f32, 0.15 * layer as f32 + 0.05 * (x as f32).sin(), 0.1 * z as f32];
+    let color = ballstick::color::Srgb8 { a: 100, ..ballstick::color::Srgb8::rgb(90, 140, 220) };
+    for (layer, x, z) in (0..30).flat_map(|layer| (0..30).flat_map(move |x| (0..30).map(move |z| (layer, x, z)))) {
+        let [a, b, c, d] = [(x, z), (x + 1, z), (x + 1, z + 1), (x, z + 1)].map(|(x, z)| corner(x, z, layer));
+        block.triangles.extend([[a, b, c], [a, c, d]].map(|corners| ballstick::scene::TriangleInstance {
+            corners,
+            normals: [[0.0; 3]; 3],
+            colors: [color; 3],
+            id: 1,
+            reserved: [0; 2],
+        }));
+    }
+    let placement = Placement { block: 0, world_from_block: Affine3A::IDENTITY, first_id: 0 };
+    let mut scene = Scene::from_blocks(vec![block], vec![placement]);
+    scene.set_ground(true);
+    let scene = Arc::new(scene);
+    let view = View::new(scene.fitted_camera(1.5), 90, 60);
+    let mut cpu = CpuRenderer::new();
+    let [want, got] = [&mut cpu as &mut dyn Renderer, &mut gpu].map(|renderer| {
+        renderer.load(Arc::clone(&scene)).unwrap();
+        renderer.image(&view, &SETTINGS).unwrap()
+    });
+    let apart = want.rgba.iter().zip(&got.rgba).filter(|(a, b)| a.abs_diff(**b) > 4).count();
+    assert!(apart * 1000 < want.rgba.len(), "{apart} of {}", want.rgba.len());
+}

@@ -153,7 +153,10 @@ impl FieldHome {
         let counts = [hierarchy.depth() as u32, hierarchy.order.len() as u32, 0, 0];
         let constants = FieldConstants { levels, counts };
         let constants = gpu.buffer("field", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(&constants));
-        let boxes = texels(gpu, "field boxes", hierarchy.boxes.iter().map(|b| pair(b.min, 0.0, b.max, 0.0)));
+        let opacities = hierarchy.highest(|index| solids.opacity(index as usize));
+        let boxes =
+            hierarchy.boxes.iter().zip(opacities).map(|(b, opacity)| pair(b.min, f32::from(opacity), b.max, 0.0));
+        let boxes = texels(gpu, "field boxes", boxes);
         let primitives = packed(solids, &hierarchy.order);
         let primitives = texels(gpu, "field primitives", primitives.into_iter());
         let group = passes.ground_map.field(gpu, &constants, [&boxes, &primitives]);
