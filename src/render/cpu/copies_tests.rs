@@ -98,9 +98,34 @@ fn copies_look_as_they_do_spread_out() {
             let off = apart(&of_copies, &spread);
             println!("{case}, {} directions: {off:.4} of 255", settings.ao);
             assert!(off < 0.25, "{case}, {} directions: {off}", settings.ao);
+            // And where points ask together, as those of large scenes do.
+            let mut renderer = renderer(&scene, usize::MAX);
+            renderer.most_at_once = 0;
+            let off = apart(&renderer.image(&view, &settings).unwrap(), &spread);
+            println!("{case}, together: {off:.4} of 255");
+            assert!(off < if settings.ao > 0 { 0.05 } else { 1e-9 }, "{case}, together: {off}");
             let plain = spread.rgba.chunks_exact(4).filter(|pixel| *pixel == &spread.rgba[..4]).count();
             assert!(plain < spread.rgba.len() * 7 / 32, "{case} shows little");
         }
+    }
+}
+
+#[test]
+fn parts_of_a_picture_whose_points_ask_together_are_those_of_the_whole() {
+    let scene = scene(90);
+    let whole = view(&scene, None);
+    let settings = Settings { samples: 4, ground_texels: 64, ..Quality::Standard.settings() };
+    let mut renderer = renderer(&scene, usize::MAX);
+    renderer.most_at_once = 0;
+    let want = renderer.image(&whole, &settings).unwrap();
+    let region = crate::scene::Region { x: 70, y: 30, width: 90, height: 70 };
+    let got = renderer.image(&View { region: Some(region), ..whole }, &settings).unwrap();
+    for y in 0..region.height {
+        let row = |image: &Image, x: u32, y: u32| {
+            let start = ((y * image.width + x) * 4) as usize;
+            image.rgba[start..start + region.width as usize * 4].to_vec()
+        };
+        assert_eq!(row(&got, 0, y), row(&want, region.x, region.y + y), "row {y}");
     }
 }
 

@@ -3,15 +3,17 @@
 //! [`mod@reference`] casts one ray after the other over a hierarchy, on one thread. [`tiles`] draws the same picture
 //! tile by tile on all cores with vector instructions: primitives are binned to tiles by their exact bounds, and each tile
 //! keeps a small depth buffer. Where all are opaque and nothing is outlined they are found pack by pack, as they are needed. Points that ask for light
-//! from afar do so together, direction by direction (`rays`).
+//! from afar do so at once, packet by packet (`asking`), or, of large scenes, all together, direction by direction (`rays`).
 //!
 //! Large scenes of copies (assemblies, supercells) are never spread out, whatever is asked: what is seen comes from packs, light from afar
 //! from `hiders`, the ground's light from the fields of the blocks ([`Field::of_copies`]), all made once for a block.
 
+mod asking;
 mod backdrop;
 mod behind;
 mod binning;
 mod bodies;
+mod casters;
 mod clusters;
 mod facts;
 mod few;
@@ -64,6 +66,8 @@ pub struct CpuRenderer {
     hiders: Option<Hiders>,
     /// See [`MOST_SPREAD`].
     most_spread: usize,
+    /// See [`asking::MOST_PRIMITIVES`].
+    most_at_once: usize,
     /// The distance field of the loaded scene, made when a ground first needs it.
     field: Option<Field>,
     /// The last ground maps and the constants they were made with: in motion and at rest they differ in texels.
@@ -84,6 +88,7 @@ impl Default for CpuRenderer {
             block_fields: Vec::new(),
             hiders: None,
             most_spread: MOST_SPREAD,
+            most_at_once: asking::MOST_PRIMITIVES,
             field: None,
             ground_maps: [None, None],
             packs: None,
@@ -135,7 +140,12 @@ impl CpuRenderer {
         if self.of_copies {
             self.packs.get_or_insert_with(|| Packs::new(&scene));
         }
-        let known = Known { packs: self.packs.as_ref(), of_copies: self.of_copies, hiders: self.hiders.as_ref() };
+        let known = Known {
+            packs: self.packs.as_ref(),
+            of_copies: self.of_copies,
+            most_at_once: self.most_at_once,
+            hiders: self.hiders.as_ref(),
+        };
         (scene, known)
     }
 
@@ -176,7 +186,8 @@ impl CpuRenderer {
             self.lights.update(&frame, settings);
         }
         let packs = Some(&*self.packs.get_or_insert_with(|| Packs::new(&scene)));
-        let known = Known { packs, of_copies: self.of_copies, hiders: self.hiders.as_ref() };
+        let known =
+            Known { packs, of_copies: self.of_copies, most_at_once: self.most_at_once, hiders: self.hiders.as_ref() };
         let lights = if asks { &self.lights } else { &none };
         let mut image = tiles::image(&scene, view, settings, (&ground_map, lights, known), stop);
         if stop.load(Ordering::Relaxed) {

@@ -40,6 +40,16 @@ impl Lights {
         Lights { sky, samples: 1, ..Lights::default() }
     }
 
+    /// Those of the sky and of the key light.
+    pub(super) fn directions(&self) -> [&Turns; 2] {
+        [&self.sky, &self.key]
+    }
+
+    /// Samples of a pixel.
+    pub(super) fn samples(&self) -> u32 {
+        self.samples
+    }
+
     /// Whether anything is asked.
     pub(super) fn asks(&self) -> bool {
         self.sky.each + self.key.each > 0
@@ -123,10 +133,16 @@ impl<'a> Shadows<'a> {
         Shadows { hiders, view_from_world, center_in_view, rooms: Mutex::default() }
     }
 
-    fn axes(&self, toward_in_world: Vec3) -> Axes {
+    /// The axes of a direction, view space.
+    pub(super) fn axes(&self, toward_in_world: Vec3) -> Axes {
         let [right, up] = across(toward_in_world);
         let [right, up, toward] = [right, up, toward_in_world].map(|v| self.view_from_world.transform_vector3(v));
         Axes { right, up, toward, center: self.center_in_view }
+    }
+
+    /// How many primitives may hide the light.
+    pub(super) fn primitives(&self) -> usize {
+        self.hiders.primitives()
     }
 
     /// Does something with the rooms that are free.

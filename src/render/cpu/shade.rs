@@ -2,6 +2,7 @@
 //!
 //! A vector holds 4 × 4 pixels, one sample of each: they ask the same directions of the sky.
 
+use super::asking::Questions;
 use super::backdrop::Backdrop;
 use super::behind::Mask;
 use super::facts::{Looks, Memo};
@@ -208,10 +209,11 @@ fn add_to(light: &[Lanes; 3], seen: &Mask, [row, column]: [usize; 2], (sums, wid
     }
 }
 
-/// Adds the light of a tile that asks for none from afar to its sums.
+/// Adds the light of a tile to its sums; it asks at once for light from afar, or for none.
 #[inline(always)]
 pub(super) fn add(
     (shader, source): (&Shader<'_>, &dyn Facts),
+    questions: Option<&Questions<'_>>,
     place: &Place<'_>,
     tile: &Tile,
     (sums, width): (&mut [f32], usize),
@@ -224,7 +226,10 @@ pub(super) fn add(
         }
         let told = told(source, place, tile, (sample, &samples.seen), group);
         let (surfaces, mut points) = surfaces((shader, &mut memo), place, (samples, told));
-        points.asks = [0.0; LANES];
+        match questions {
+            Some(questions) => questions.ask(&mut points, place.pass.sample[sample], shader.frame.unasked()),
+            None => points.asks = [0.0; LANES],
+        }
         let light = light(shader, place.grid.orthographic, &surfaces, &points);
         add_to(&light, &surfaces.samples.seen, group, (sums, width));
     }

@@ -4,6 +4,7 @@
 //! ([`super::tile`]), then what is seen is lit sixteen samples at a time ([`super::shade`]). Samples that ask for light from afar are
 //! kept until it is known ([`super::lit`]), some of all tiles at a time.
 
+use super::asking::{Asking, Questions};
 use super::backdrop::Row;
 use super::binning::Candidate;
 use super::hiders::Hiders;
@@ -116,8 +117,8 @@ struct Shade<'w, 'r> {
 
 /// What becomes of what is seen.
 enum Then<'w, 'r> {
-    /// Its light, none of it from afar, is added to sums with rows of so many pixels.
-    Add(&'w mut [f32], usize),
+    /// Its light is added to sums with rows of so many pixels.
+    Add(Option<&'w Questions<'w>>, &'w mut [f32], usize),
     /// It is kept, of a tile of so many pixels' width, until it is known what light reaches it.
     Keep(&'w mut Kept, usize),
     /// It is the only sample, asks nothing, and makes the pixels; whether nothing is seen.
@@ -129,7 +130,9 @@ impl Work for Shade<'_, '_> {
     fn run(self) {
         let Shade { shader, source, tile, place, then } = self;
         match then {
-            Then::Add(sums, width) => shade::add((shader, source), place, tile, (sums, width)),
+            Then::Add(questions, sums, width) => {
+                shade::add((shader, source), questions, place, tile, (sums, width));
+            }
             Then::Keep(kept, width) => shade::keep((shader, source), place, tile, (kept, width)),
             Then::Finish(rows, is_empty) => shade::finish((shader, source), place, (tile, is_empty), rows),
         }
@@ -161,8 +164,8 @@ impl<S: Source> Picture<'_, S> {
         reached * (self.tile * self.tile) as usize
     }
 
-    /// Adds samples of a tile that ask for no light from afar.
-    fn add(&self, bench: &mut Bench, tile: usize, passes: &[Pass], sums: &mut TileSums) {
+    /// Adds samples of a tile, which ask at once or not at all.
+    fn add(&self, bench: &mut Bench, tile: usize, (passes, questions): AtOnce<'_>, sums: &mut TileSums) {
         if self.source.is_empty(tile) {
             return;
         }
@@ -170,12 +173,12 @@ impl<S: Source> Picture<'_, S> {
         sums.resize(4 * side * side, 0.0);
         for pass in passes {
             let place = self.place(tile, pass);
-            self.draw(bench, tile, &place, Then::Add(sums, side));
+            self.draw(bench, tile, &place, Then::Add(questions, sums, side));
         }
     }
 
-    /// Adds samples of all tiles that ask for no light from afar, unless `stop` becomes true.
-    fn add_to_all(&self, passes: &[Pass], sums: &mut [TileSums], stop: &AtomicBool) {
+    /// Adds samples of all tiles, which ask at once or not at all, unless `stop` becomes true.
+    fn add_to_all(&self, passes: AtOnce<'_>, sums: &mut [TileSums], stop: &AtomicBool) {
         sums.par_iter_mut().enumerate().with_max_len(4).for_each(|(tile, sums)| {
             if !stop.load(Ordering::Relaxed) {
                 self.benches.at_one(|bench| self.add(bench, tile, passes, sums));
@@ -298,6 +301,8 @@ pub(super) struct Known<'a> {
     pub(super) packs: Option<&'a Packs>,
     /// Whether its placements must not be spread out: its packs are then what is drawn, whatever it is.
     pub(super) of_copies: bool,
+    /// Up to so many primitives points ask for light from afar at once.
+    pub(super) most_at_once: usize,
     /// What light from afar asks, if it is asked for.
     pub(super) hiders: Option<&'a Hiders>,
 }
@@ -309,8 +314,16 @@ impl<'a> Known<'a> {
     }
 }
 
+/// Passes, and what their samples ask as soon as they are found.
+type AtOnce<'a> = (&'a [Pass], Option<&'a Questions<'a>>);
+
 /// What asks for light from afar.
-type Asked<'a> = Option<(Shadows<'a>, &'a Lights)>;
+struct Asked<'a> {
+    shadows: Shadows<'a>,
+    lights: &'a Lights,
+    /// If the points ask at once, each packet for itself.
+    at_once: Option<Asking>,
+}
 
 /// The finished picture; unfinished, and of no use, if `stop` became true meanwhile.
 #[must_use]
@@ -331,8 +344,12 @@ pub(super) fn image(
     let samples = settings.samples.clamp(1, 4096);
     let solids = solids_of(scene, view, packs);
     let asked = asked(scene, view, (lights, known));
-    // Those who ask for light from afar are kept, some samples at a time.
-    let pass = Pass::all(0..if asked.is_some() { samples.min(4) } else { samples }, samples);
+    // Who asks for light from afar does so some samples at a time.
+    let together = asked.as_ref().map_or(samples, |asked| match &asked.at_once {
+        Some(asking) => asking.parts(asked.lights, samples).first().map_or(samples, |part| part.end),
+        None => samples.min(4),
+    });
+    let pass = Pass::all(0..together, samples);
     let tile = pass.first().map_or(1, |pass| pass.side) * SIDE as u32;
     let shader = Shader::new(&frame, &solids, ground_map);
     match packs {
@@ -351,9 +368,10 @@ pub(super) fn image(
 }
 
 /// What asks for light from afar in a view, if anything does.
-fn asked<'a>(scene: &Scene, view: &View, (lights, known): (&'a Lights, Known<'a>)) -> Asked<'a> {
-    let hiders = known.hiders.filter(|_| lights.asks())?;
-    Some((Shadows::new(scene, view, hiders), lights))
+fn asked<'a>(scene: &Scene, view: &View, (lights, known): (&'a Lights, Known<'a>)) -> Option<Asked<'a>> {
+    let shadows = Shadows::new(scene, view, known.hiders.filter(|_| lights.asks())?);
+    let at_once = !known.of_copies && shadows.primitives() <= known.most_at_once;
+    Some(Asked { shadows, lights, at_once: at_once.then(|| Asking::new(scene, view)) })
 }
 
 /// What is not drawn from packs, in view space.
@@ -366,18 +384,28 @@ fn solids_of(scene: &Scene, view: &View, packs: Option<&Packs>) -> Solids {
 }
 
 /// The picture of all samples.
-fn sampled<S: Source>(picture: &Picture<'_, S>, samples: u32, asked: Asked<'_>, stop: &AtomicBool) -> Image {
+fn sampled<S: Source>(picture: &Picture<'_, S>, samples: u32, asked: Option<Asked<'_>>, stop: &AtomicBool) -> Image {
     if samples == 1 && asked.is_none() {
         return picture.finished(stop);
     }
     let mut sums = picture.nothing();
-    let Some((shadows, lights)) = asked else {
+    let Some(Asked { shadows, lights, at_once }) = asked else {
         let passes = Pass::all(0..samples, samples);
         return picture.put_together(sums, stop, |bench, tile, mut sums| {
-            picture.add(bench, tile, &passes, &mut sums);
+            picture.add(bench, tile, (&passes, None), &mut sums);
             picture.finish(tile, sums, samples)
         });
     };
+    if let Some(asking) = at_once {
+        for part in asking.parts(lights, samples) {
+            if stop.load(Ordering::Relaxed) {
+                break;
+            }
+            let questions = asking.look(&shadows, lights, &part);
+            picture.add_to_all((&Pass::all(part, samples), Some(&questions)), &mut sums, stop);
+        }
+        return picture.put_together(sums, stop, |_, tile, sums| picture.finish(tile, sums, samples));
+    }
     let mut room = Vec::new();
     for part in lit::parts(picture.reached(), samples) {
         if stop.load(Ordering::Relaxed) {
@@ -428,15 +456,20 @@ fn image_through(
 fn add_sample<S: Source>(
     picture: &Picture<'_, S>,
     (sample, samples): (u32, u32),
-    asked: Asked<'_>,
+    asked: Option<Asked<'_>>,
     sums: &mut [TileSums],
     stop: &AtomicBool,
 ) {
+    let (part, passes) = (sample..sample + 1, [Pass::of_one(sample, samples)]);
     match asked {
-        Some((shadows, lights)) => {
-            lit::add(picture, (&(sample..sample + 1), samples), (&shadows, lights), (sums, &mut Vec::new()), stop);
+        Some(Asked { shadows, lights, at_once: Some(asking) }) => {
+            let questions = asking.look(&shadows, lights, &part);
+            picture.add_to_all((&passes, Some(&questions)), sums, stop);
         }
-        None => picture.add_to_all(&[Pass::of_one(sample, samples)], sums, stop),
+        Some(Asked { shadows, lights, at_once: None }) => {
+            lit::add(picture, (&part, samples), (&shadows, lights), (sums, &mut Vec::new()), stop);
+        }
+        None => picture.add_to_all((&passes, None), sums, stop),
     }
 }
 
