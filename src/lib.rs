@@ -69,8 +69,9 @@
 //!   along the way, each primitive is asked at its own nearest point of it, found through the hierarchy: it is faster and leaves no bands.
 //! - Ambient occlusion is the part of the sky that a surface point sees, over 64 fixed directions, without a reach; the key light's shadow
 //!   on the molecule is the mean over 16 directions in a cone ([`render::sky`]). The reference casts rays. The
-//!   GPU asks the primitives in the tube above a point ([`render::tubes`]); the CPU sorts all points that ask along a direction, and each
-//!   primitive asks those under it, by distances across the direction and heights along it. Both are as exact as rays. The samples of a pixel share the directions out.
+//!   GPU asks the primitives in the tube above a point ([`render::tubes`]); the CPU does so, too, up to some
+//!   ten thousand atoms; of larger scenes it sorts all points that ask along a direction, and each primitive asks those under it. All of it by
+//!   distances across the direction and heights along it, as exact as rays. The samples of a pixel share the directions out.
 //! - A part of a picture ([`render::View::region`]) is byte for byte what it is in the whole: large pictures are made of such parts.
 //! - Outlines are flat rims that primitives wear, a little behind their silhouettes ([`render::outline`]); with depth of field every
 //!   sample has a camera of its own ([`render::lens`]).
@@ -84,7 +85,7 @@
 //!   come out as the other form.
 //! - Meshes have no outlines. An outline is as wide along the whole of a stick, however far that runs into the depth.
 //! - Depth of field leaves ground and background sharp, and shows faint copies where a blur is wider than 64 samples make smooth.
-//! - Finished pictures of large structures take time for the light from afar: on two cores some 3 s at 100,000 atoms and 15 s at 1,000,000.
+//! - Finished pictures of large structures take time for the light from afar: on two cores some 2 s at 100,000 atoms and 7 s at 1,000,000.
 //!   `--quality draft` goes without.
 //! - Copies of an assembly share their atoms in structure and scene, and in the CPU's pictures, finished or in motion. Pictures by a GPU spread
 //!   them out.

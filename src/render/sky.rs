@@ -4,8 +4,8 @@
 //! fixed in world space, the sum of `max(n·d, 0)` where nothing is in the way over the sum of all `max(n·d, 0)`.
 //! Its key light is the mean visibility over directions in a narrow cone about the light. Neither has a reach:
 //! whatever stands in the way counts, however far away it is. The reference casts
-//! rays; the GPU asks what stands in tubes along each direction ([`super::tubes`]); the CPU's tiles sort the points that ask along it, and
-//! primitives ask these. All three are exact.
+//! rays; the product asks what stands in tubes along each direction ([`super::tubes`]), on the CPU as on the GPU; of large scenes the CPU sorts the
+//! points that ask along it, and primitives ask these. All three are exact.
 //!
 //! The samples of a pixel share the directions out among themselves ([`Turns`]): with 16 samples and 64 directions each
 //! sample asks four, well apart from one another, and the pixel has asked all of them. That costs a sixteenth of asking all

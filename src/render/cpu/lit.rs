@@ -100,7 +100,7 @@ pub(super) fn add<S: Source>(
     if stop.load(Ordering::Relaxed) {
         return;
     }
-    let answers = shadows.answers(lights, &of_samples);
+    let answers = shadows.answers(lights, &of_samples, stop);
     let side = picture.tile as usize;
     let tiles = sums.par_iter_mut().zip(kept).zip(starts);
     tiles.with_max_len(4).for_each(|((sums, Kept { packets, .. }), starts)| {

@@ -13,6 +13,7 @@ use crate::render::sky::{Reach, Turns, across};
 use crate::scene::Scene;
 use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// The directions that the samples of a picture ask.
@@ -151,8 +152,8 @@ impl<'a> Shadows<'a> {
         work(&mut self.rooms.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// What the points of some samples, given with their numbers, are told.
-    pub(super) fn answers<P: Packets>(&self, lights: &Lights, samples: &[(u32, P)]) -> Vec<Answers> {
+    /// What the points of some samples, given with their numbers, are told; of no use if `stop` became true meanwhile.
+    pub(super) fn answers<P: Packets>(&self, lights: &Lights, samples: &[(u32, P)], stop: &AtomicBool) -> Vec<Answers> {
         let mut all: Vec<Answers> = samples.iter().map(|_| Answers::default()).collect();
         if self.hiders.is_empty() {
             return all;
@@ -173,6 +174,9 @@ impl<'a> Shadows<'a> {
             let count = (0..packets.runs()).map(|run| packets.len_of(run)).sum();
             let ask = |(axes, points): (Axes, Gathered)| {
                 let mut free = vec![0u16; count];
+                if stop.load(Ordering::Relaxed) {
+                    return Answer { toward: axes.toward, free };
+                }
                 let see = |number: u32| free[number as usize / LANES] |= 1 << (number % LANES as u32);
                 let mut rays = self.room(|rooms| rooms.rays.pop()).unwrap_or_default();
                 let of = [*sample, lights.samples];

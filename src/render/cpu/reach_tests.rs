@@ -134,7 +134,7 @@ fn ask(scene: &Scene, sky: &Turns, key: &Turns, points: &[(Vec3, Vec3)]) -> Vec<
     };
     let given = Given(points.chunks(LANES).map(packet).collect());
     let mut packets = given.0.clone();
-    let answers = shadows.answers(&lights, &[(0, given)]);
+    let answers = shadows.answers(&lights, &[(0, given)], &AtomicBool::new(false));
     for (number, packet) in packets.iter_mut().enumerate() {
         answers[0].tell(number, packet, UNASKED);
     }

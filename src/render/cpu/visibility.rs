@@ -11,6 +11,7 @@ use crate::render::sky::{Reach, start_offset};
 use crate::scene::{Ray, Scene};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::sync::atomic::AtomicBool;
 
 /// Directions that are asked at a time: the points of each are there as it sees them.
 const DIRECTIONS_AT_A_TIME: usize = 8;
@@ -37,7 +38,8 @@ pub(super) fn sky_visibility(scene: &Scene, view: &View, directions: &[Vec3], kn
         let shadows = Shadows::new(scene, view, hiders);
         let bounds = blocks.iter().fold(Aabb::EMPTY, |all, block| all.union(block.bounds()));
         for part in directions.chunks(DIRECTIONS_AT_A_TIME) {
-            let answers = shadows.answers(&Lights::of_sky(part), &[(0, Blocks(&blocks, bounds))]);
+            let answers =
+                shadows.answers(&Lights::of_sky(part), &[(0, Blocks(&blocks, bounds))], &AtomicBool::new(false));
             blocks.par_chunks_mut(BLOCKS_TOGETHER).enumerate().for_each(|(some, blocks)| {
                 let first = some * BLOCKS_TOGETHER;
                 widest(Tell { answers: &answers, blocks, first });
