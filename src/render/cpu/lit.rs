@@ -26,12 +26,36 @@ fn can_be_had(bytes: usize) -> bool {
     Vec::<u8>::new().try_reserve_exact(bytes.saturating_add(bytes / 2)).is_ok()
 }
 
-/// The samples of a picture in parts that are worked on at once, if each has up to so many points.
-pub(super) fn parts(points: usize, samples: u32) -> Vec<Range<u32>> {
+/// Points of a part at most: of a wide strip of a large picture some tiles are worked on at a time. Chosen: as many as 1920 × 1080.
+const MOST_POINTS: usize = 1 << 21;
+
+/// Samples of some tiles that are worked on at once.
+pub(super) struct Part {
+    pub(super) tiles: Range<usize>,
+    pub(super) samples: Range<u32>,
+}
+
+/// The samples of a picture in parts; `points` are the pixels of each tile, if anything reaches into it.
+pub(super) fn parts(points: &[usize], samples: u32) -> Vec<Part> {
+    let (mut parts, mut start, mut count) = (Vec::new(), 0, 0);
+    for (tile, &more) in points.iter().enumerate() {
+        if count + more > MOST_POINTS && tile > start {
+            parts.extend(of_samples(start..tile, count, samples));
+            (start, count) = (tile, 0);
+        }
+        count += more;
+    }
+    parts.extend(of_samples(start..points.len(), count, samples));
+    parts
+}
+
+/// Some tiles of so many points, as many samples at a time as can be kept.
+fn of_samples(tiles: Range<usize>, points: usize, samples: u32) -> impl Iterator<Item = Part> {
     let one = points.div_ceil(LANES) * size_of::<Packet>();
     let is_possible = |part: u32| part as usize * one <= MOST_BYTES && can_be_had(part as usize * one);
     let part = [16, 4].into_iter().find(|&part| is_possible(part)).unwrap_or(1);
-    (0..samples).step_by(part as usize).map(|start| start..samples.min(start + part)).collect()
+    let samples = (0..samples).step_by(part as usize).map(move |start| start..samples.min(start + part));
+    samples.map(move |samples| Part { tiles: tiles.clone(), samples })
 }
 
 /// The packets of a sample, tile by tile.
@@ -64,17 +88,18 @@ impl Packets for OfSample<'_> {
     }
 }
 
-/// Adds some samples of all tiles, unless `stop` becomes true. `kept` is room to work in: what was there before does not matter.
+/// Adds a part of so many samples to the sums of all tiles, unless `stop` becomes true. `kept` is room to work in: what was there before does not matter.
 pub(super) fn add<S: Source>(
     picture: &Picture<'_, S>,
-    (part, samples): (&Range<u32>, u32),
+    (part, samples): (&Part, u32),
     (shadows, lights): (&Shadows<'_>, &Lights),
     (sums, kept): (&mut [TileSums], &mut Vec<Kept>),
     stop: &AtomicBool,
 ) {
-    let passes = Pass::all(part.clone(), samples);
+    let passes = Pass::all(part.samples.clone(), samples);
+    let sums = &mut sums[part.tiles.clone()];
     kept.resize_with(sums.len(), || Kept::of(Vec::new()));
-    kept.par_iter_mut().enumerate().with_max_len(4).for_each(|(tile, kept)| {
+    kept.par_iter_mut().zip(part.tiles.clone()).with_max_len(4).for_each(|(kept, tile)| {
         *kept = Kept::of(std::mem::take(&mut kept.packets));
         if !stop.load(Ordering::Relaxed) {
             picture.keep(tile, &passes, kept);
@@ -84,14 +109,14 @@ pub(super) fn add<S: Source>(
     let bounds = kept.iter().fold(Aabb::EMPTY, |all, kept| all.union(kept.bounds()));
     let (shader, grid) = (&picture.shader, &picture.grid);
     let of_sample = |sample| (sample, OfSample { tiles: Vec::new(), count: 0, shader, grid, bounds });
-    let mut of_samples: Vec<(u32, OfSample<'_>)> = part.clone().map(of_sample).collect();
+    let mut of_samples: Vec<(u32, OfSample<'_>)> = part.samples.clone().map(of_sample).collect();
     // Where the packets of each tile start in each sample.
     let mut starts: Vec<Vec<usize>> = Vec::with_capacity(kept.len());
     for Kept { packets, samples, .. } in kept {
         starts.push(of_samples.iter().map(|(_, of)| of.count).collect());
         let mut start = 0;
         for &(sample, end) in samples {
-            let (_, of) = &mut of_samples[(sample - part.start) as usize];
+            let (_, of) = &mut of_samples[(sample - part.samples.start) as usize];
             of.tiles.push(&packets[start..end]);
             of.count += end - start;
             start = end;
@@ -106,7 +131,7 @@ pub(super) fn add<S: Source>(
     tiles.with_max_len(4).for_each(|((sums, Kept { packets, .. }), starts)| {
         if !packets.is_empty() && !stop.load(Ordering::Relaxed) {
             sums.resize(4 * side * side, 0.0);
-            let told = Told { answers: &answers, first_sample: part.start, starts };
+            let told = Told { answers: &answers, first_sample: part.samples.start, starts };
             widest(Light { shader, grid, packets, told, sums, width: side });
         }
     });

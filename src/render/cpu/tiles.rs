@@ -9,7 +9,7 @@ use super::backdrop::Row;
 use super::binning::Candidate;
 use super::hiders::Hiders;
 use super::lanes::Pass;
-use super::lit;
+use super::lit::{self, Part};
 use super::packs::{Any, Packed, Packs};
 use super::reach::{Lights, Shadows};
 use super::shade::{self, Kept};
@@ -157,11 +157,10 @@ impl<S: Source> Picture<'_, S> {
         widest(Shade { shader: &self.shader, source: &self.source, tile: &bench.tile, place, then });
     }
 
-    /// How many pixels there are in tiles that anything reaches into.
-    fn reached(&self) -> usize {
-        let tiles = (self.tiles[0] * self.tiles[1]) as usize;
-        let reached = (0..tiles).filter(|&tile| !self.source.is_empty(tile)).count();
-        reached * (self.tile * self.tile) as usize
+    /// How many pixels each tile has, if anything reaches into it.
+    fn reached(&self) -> Vec<usize> {
+        let (tiles, pixels) = ((self.tiles[0] * self.tiles[1]) as usize, (self.tile * self.tile) as usize);
+        (0..tiles).map(|tile| if self.source.is_empty(tile) { 0 } else { pixels }).collect()
     }
 
     /// Adds samples of a tile, which ask at once or not at all.
@@ -407,7 +406,7 @@ fn sampled<S: Source>(picture: &Picture<'_, S>, samples: u32, asked: Option<Aske
         return picture.put_together(sums, stop, |_, tile, sums| picture.finish(tile, sums, samples));
     }
     let mut room = Vec::new();
-    for part in lit::parts(picture.reached(), samples) {
+    for part in lit::parts(&picture.reached(), samples) {
         if stop.load(Ordering::Relaxed) {
             break;
         }
@@ -467,6 +466,7 @@ fn add_sample<S: Source>(
             picture.add_to_all((&passes, Some(&questions)), sums, stop);
         }
         Some(Asked { shadows, lights, at_once: None }) => {
+            let part = Part { tiles: 0..sums.len(), samples: part };
             lit::add(picture, (&part, samples), (&shadows, lights), (sums, &mut Vec::new()), stop);
         }
         None => picture.add_to_all((&passes, None), sums, stop),
