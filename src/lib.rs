@@ -85,7 +85,7 @@
 //!   come out as the other form.
 //! - Meshes have no outlines. An outline is as wide along the whole of a stick, however far that runs into the depth.
 //! - Depth of field leaves ground and background sharp, and shows faint copies where a blur is wider than 64 samples make smooth.
-//! - Finished pictures of large structures take time for the light from afar: on two cores some 2 s at 100,000 atoms and 7 s at 1,000,000.
+//! - Finished pictures of large structures take time for the light from afar: on two cores some 2 s at 100,000 atoms and 8 s at 1,000,000.
 //!   `--quality draft` goes without.
 //! - Copies of an assembly share their atoms in structure and scene, and in the CPU's pictures, finished or in motion. Pictures by a GPU spread
 //!   them out.

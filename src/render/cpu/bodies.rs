@@ -9,10 +9,42 @@
 //! Limits: it holds for points that lie outside of all these bodies, as visible ones do. What is neither of the two, or
 //! see-through, is asked by itself ([`super::behind`]).
 
+use super::lanes::{LANES, Lanes};
 use crate::math::Aabb;
+use crate::render::settings::View;
+use crate::render::sky::across;
 use crate::render::solids::{Cylinder, Primitive, Solids};
+use crate::scene::Scene;
 use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
+
+/// Sixteen points along the axes of a direction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Places {
+    pub(super) x: Lanes,
+    pub(super) y: Lanes,
+    pub(super) height: Lanes,
+}
+
+/// A view, as directions of the world are seen in it.
+pub(super) struct InView {
+    pub(super) view_from_world: Affine3A,
+    center: Vec3,
+}
+
+impl InView {
+    pub(super) fn new(scene: &Scene, view: &View) -> InView {
+        let view_from_world = view.camera.view_from_world();
+        InView { view_from_world, center: view_from_world.transform_point3(scene.bounds().center()) }
+    }
+
+    /// The axes of a direction of the world, view space.
+    pub(super) fn axes(&self, toward: Vec3) -> Axes {
+        let [right, up] = across(toward);
+        let [right, up, toward] = [right, up, toward].map(|v| self.view_from_world.transform_vector3(v));
+        Axes { right, up, toward, center: self.center }
+    }
+}
 
 /// The axes of a direction, and the point that all its coordinates are relative to.
 #[derive(Debug, Clone, Copy)]
@@ -29,6 +61,20 @@ impl Axes {
         let (center, half) = (bounds.center() - self.center, bounds.size() * 0.5);
         let [x, y] = [self.right, self.up].map(|axis| (center.dot(axis), half.dot(axis.abs())));
         [[x.0 - x.1, y.0 - y.1], [x.0 + x.1, y.0 + y.1]]
+    }
+
+    /// Where points are along each.
+    #[inline(always)]
+    pub(super) fn places(&self, position: &[Lanes; 3]) -> Places {
+        let (Axes { right, up, toward, center }, [xs, ys, zs]) = (self, position);
+        let mut places = Places { x: [0.0; LANES], y: [0.0; LANES], height: [0.0; LANES] };
+        for lane in 0..LANES {
+            let (x, y, z) = (xs[lane] - center.x, ys[lane] - center.y, zs[lane] - center.z);
+            places.x[lane] = x * right.x + y * right.y + z * right.z;
+            places.y[lane] = x * up.x + y * up.y + z * up.z;
+            places.height[lane] = x * toward.x + y * toward.y + z * toward.z;
+        }
+        places
     }
 
     /// The same in the space of a block. What lies where along the axes are the same numbers there.

@@ -5,8 +5,8 @@
 //! neither ball nor stick, or see-through, is met only by its bounding disc here, and asked exactly where that is met.
 
 use super::behind::Mask;
-use super::bodies::{Axes, Body};
-use super::lanes::{LANES, Lanes, low_of};
+use super::bodies::{Axes, Body, Places};
+use super::lanes::{LANES, low_of};
 use crate::math::{max, min};
 use crate::render::solids::Solids;
 use crate::render::tubes::{Bound, Span, Tubes};
@@ -36,13 +36,6 @@ pub(super) struct Caster {
 pub(super) struct Sight {
     pub(super) tubes: Tubes,
     casters: Vec<Caster>,
-}
-
-/// Points as they look along a direction.
-pub(super) struct Starts {
-    pub(super) x: Lanes,
-    pub(super) y: Lanes,
-    pub(super) height: Lanes,
 }
 
 impl Caster {
@@ -115,7 +108,7 @@ impl Sight {
     /// Clears the lanes of `free` whose light something in a tube stands in the way of. `exactly` does so for a primitive of
     /// which only the bounding disc is known here.
     #[inline(always)]
-    pub(super) fn walk(&self, tube: u32, at: &Starts, free: &mut Mask, exactly: impl Fn(u32, &mut Mask)) {
+    pub(super) fn walk(&self, tube: u32, at: &Places, free: &mut Mask, exactly: impl Fn(u32, &mut Mask)) {
         let mut heights = [0.0f32; LANES];
         for lane in 0..LANES {
             heights[lane] = if free[lane] != 0 { at.height[lane] } else { f32::INFINITY };
@@ -144,7 +137,7 @@ impl Sight {
 impl Caster {
     /// Clears the lanes in its shadow.
     #[inline(always)]
-    fn hide(&self, at: &Starts, free: &mut Mask) {
+    fn hide(&self, at: &Places, free: &mut Mask) {
         for (lane, free) in free.iter_mut().enumerate() {
             let (dx, dy) = (at.x[lane] - self.x, at.y[lane] - self.y);
             let along = dx * self.ux + dy * self.uy;
@@ -159,7 +152,7 @@ impl Caster {
 
     /// Whether a free lane is in its bounding disc.
     #[inline(always)]
-    fn is_near(&self, at: &Starts, free: &Mask) -> bool {
+    fn is_near(&self, at: &Places, free: &Mask) -> bool {
         let mut near = 0;
         for (lane, &free) in free.iter().enumerate() {
             let (dx, dy) = (at.x[lane] - self.x, at.y[lane] - self.y);

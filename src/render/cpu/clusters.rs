@@ -80,11 +80,6 @@ impl Clusters {
         Clusters { simple, others: one_by_one, levels: levels(leaves), mean_radius }
     }
 
-    /// About how many primitives there are.
-    pub(super) fn len(&self) -> usize {
-        self.simple.len() * LANES + self.others.len()
-    }
-
     /// What is asked one by one.
     pub(super) fn others(&self) -> &Solids {
         &self.others

@@ -64,6 +64,14 @@ fn renderer(scene: &Arc<Scene>, most_spread: usize) -> CpuRenderer {
     renderer
 }
 
+/// One that spreads all out, and whose points ask together.
+fn asking_together(scene: &Arc<Scene>) -> CpuRenderer {
+    let mut renderer = CpuRenderer { most_spread: usize::MAX, most_at_once: 0, ..CpuRenderer::default() };
+    renderer.load(Arc::clone(scene)).unwrap();
+    assert!(renderer.asks_together() && !renderer.of_copies, "{:?}", renderer.counts);
+    renderer
+}
+
 fn view(scene: &Scene, projection: Option<Projection>) -> View {
     let camera = scene.fitted_camera(1.5);
     View::new(Camera { projection: projection.unwrap_or(camera.projection), ..camera }, 240, 160)
@@ -99,8 +107,7 @@ fn copies_look_as_they_do_spread_out() {
             println!("{case}, {} directions: {off:.4} of 255", settings.ao);
             assert!(off < 0.25, "{case}, {} directions: {off}", settings.ao);
             // And where points ask together, as those of large scenes do.
-            let mut renderer = renderer(&scene, usize::MAX);
-            renderer.most_at_once = 0;
+            let mut renderer = asking_together(&scene);
             let off = apart(&renderer.image(&view, &settings).unwrap(), &spread);
             println!("{case}, together: {off:.4} of 255");
             assert!(off < if settings.ao > 0 { 0.05 } else { 1e-9 }, "{case}, together: {off}");
@@ -111,12 +118,24 @@ fn copies_look_as_they_do_spread_out() {
 }
 
 #[test]
+fn any_number_of_samples_can_ask_together() {
+    let scene = scene(255);
+    let view = view(&scene, None);
+    for samples in [1, 3, 16, 37, 64] {
+        let settings = Settings { samples, ao: 8, ground_texels: 64, ..Quality::Standard.settings() };
+        let [together, at_once] = [asking_together(&scene), renderer(&scene, usize::MAX)]
+            .map(|mut renderer| renderer.image(&view, &settings).unwrap());
+        let off = apart(&together, &at_once);
+        assert!(off < 0.05, "{samples} samples: {off}");
+    }
+}
+
+#[test]
 fn parts_of_a_picture_whose_points_ask_together_are_those_of_the_whole() {
     let scene = scene(90);
     let whole = view(&scene, None);
     let settings = Settings { samples: 4, ground_texels: 64, ..Quality::Standard.settings() };
-    let mut renderer = renderer(&scene, usize::MAX);
-    renderer.most_at_once = 0;
+    let mut renderer = asking_together(&scene);
     let want = renderer.image(&whole, &settings).unwrap();
     let region = crate::scene::Region { x: 70, y: 30, width: 90, height: 70 };
     let got = renderer.image(&View { region: Some(region), ..whole }, &settings).unwrap();
@@ -149,8 +168,9 @@ fn copies_have_the_ids_depths_and_sky_that_they_have_spread_out() {
 #[test]
 fn only_what_is_placed_often_and_is_large_is_drawn_from_its_blocks() {
     let scene = scene(255);
-    assert!(is_of_copies(&scene, 10_000) && !is_of_copies(&scene, MOST_SPREAD));
+    let counts = Counts::of(&scene);
+    assert!(counts.is_of_copies(10_000) && !counts.is_of_copies(MOST_SPREAD));
     let mut once = Scene::clone(&scene);
     once.placements.drain(..6);
-    assert!(!is_of_copies(&once, 0));
+    assert!(!Counts::of(&once).is_of_copies(0));
 }

@@ -52,11 +52,6 @@ impl Hiders {
         self.placed.iter().all(|placed| self.blocks[placed.block].top().is_none())
     }
 
-    /// How many primitives there are, those of copies as often as they stand.
-    pub(super) fn primitives(&self) -> usize {
-        self.placed.iter().map(|placed| self.blocks[placed.block].len()).sum()
-    }
-
     /// The points that see the light along these axes, given in view space, in a sample of so many.
     pub(super) fn free(
         &self,

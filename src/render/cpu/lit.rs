@@ -1,8 +1,7 @@
 //! Pictures with light from afar: what samples show is kept until it is known what light reaches it.
 //!
-//! Some samples of all tiles at a time: their surfaces are found and kept, sixteen points in a packet; all points of a sample ask its
-//! directions together ([`super::rays`]); then they are shaded. Each point is kept in 30 bytes, so that a picture of 1920 × 1080
-//! takes four samples at a time.
+//! Some samples at a time of a picture, or of some tiles of a large one: their surfaces are found and kept, sixteen points in a packet; all points
+//! of a sample ask its directions together ([`super::rays`]); then they are shaded. A point is kept in 30 bytes.
 
 use super::lanes::{LANES, Pass};
 use super::reach::{Answers, Lights, Packets, Points, Shadows};
@@ -17,8 +16,9 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Bytes of packets that are kept at a time. Chosen: four samples of every pixel of 1920 × 1080 are 249 MB, where all of them show something.
-const MOST_BYTES: usize = 256 << 20;
+/// Samples of a pixel that are kept at a time, if there is the memory for so many: one pass over a tile. Chosen: of a picture of 1920 × 1080 four
+/// take up to 249 MB.
+pub(super) const MOST_SAMPLES: u32 = 4;
 
 /// Whether there are so many bytes, with half as many for all else. Under a limit of the process' memory (`ulimit -v`, `ulimit -d`) it
 /// may not be so; a system without limits gives what is never touched.
@@ -51,9 +51,8 @@ pub(super) fn parts(points: &[usize], samples: u32) -> Vec<Part> {
 
 /// Some tiles of so many points, as many samples at a time as can be kept.
 fn of_samples(tiles: Range<usize>, points: usize, samples: u32) -> impl Iterator<Item = Part> {
-    let one = points.div_ceil(LANES) * size_of::<Packet>();
-    let is_possible = |part: u32| part as usize * one <= MOST_BYTES && can_be_had(part as usize * one);
-    let part = [16, 4].into_iter().find(|&part| is_possible(part)).unwrap_or(1);
+    let part = MOST_SAMPLES as usize * points.div_ceil(LANES) * size_of::<Packet>();
+    let part = if can_be_had(part) { MOST_SAMPLES } else { 1 };
     let samples = (0..samples).step_by(part as usize).map(move |start| start..samples.min(start + part));
     samples.map(move |samples| Part { tiles: tiles.clone(), samples })
 }
@@ -88,7 +87,8 @@ impl Packets for OfSample<'_> {
     }
 }
 
-/// Adds a part of so many samples to the sums of all tiles, unless `stop` becomes true. `kept` is room to work in: what was there before does not matter.
+/// Adds a part of a picture of so many samples to the sums of its tiles, unless `stop` becomes true. `kept` is room to work in: what was there
+/// before does not matter.
 pub(super) fn add<S: Source>(
     picture: &Picture<'_, S>,
     (part, samples): (&Part, u32),
@@ -167,6 +167,31 @@ impl Work for Light<'_> {
             told.answers[place].tell(told.starts[place], &mut points, unasked);
             told.starts[place] += 1;
             shade::add_packet((shader, grid), packet, &points, (sums, width));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_have_every_sample_of_every_tile_once_and_not_too_many_points() {
+        let large = vec![64 * 64; 1600];
+        let some_empty = (0..2000).map(|tile| if tile % 3 == 0 { 0 } else { 64 * 64 }).collect();
+        for (points, samples) in
+            [(large, 16), (some_empty, 37), (vec![4096; 7], 1), (vec![MOST_POINTS * 2; 3], 5), (vec![], 16)]
+        {
+            let mut seen = vec![0; points.len() * samples as usize];
+            for Part { tiles, samples: some } in parts(&points, samples) {
+                let count: usize = points[tiles.clone()].iter().sum();
+                assert!(count <= MOST_POINTS || tiles.len() == 1, "{count} points");
+                assert!(some.len() <= MOST_SAMPLES as usize);
+                for (tile, sample) in tiles.flat_map(|tile| some.clone().map(move |sample| (tile, sample))) {
+                    seen[tile * samples as usize + sample as usize] += 1;
+                }
+            }
+            assert!(seen.iter().all(|&times| times == 1), "{} tiles, {samples} samples", points.len());
         }
     }
 }

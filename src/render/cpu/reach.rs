@@ -1,7 +1,7 @@
 //! Light from afar: which directions the samples of a picture ask, and what points are told that asked them.
 
 use super::behind::Mask;
-use super::bodies::Axes;
+use super::bodies::{Axes, InView};
 use super::hiders::Hiders;
 use super::lanes::{LANES, Lanes, bits};
 use super::rays::{Gathered, Rays, Starts};
@@ -9,9 +9,9 @@ use super::simd::{Work, widest};
 use crate::math::{Aabb, max};
 use crate::render::frame::FrameConstants;
 use crate::render::settings::{Settings, View};
-use crate::render::sky::{Reach, Turns, across};
+use crate::render::sky::{Reach, Turns};
 use crate::scene::Scene;
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -102,8 +102,7 @@ pub(super) trait Packets: Sync {
 /// What may hide the light in a view.
 pub(super) struct Shadows<'a> {
     hiders: &'a Hiders,
-    view_from_world: Affine3A,
-    center_in_view: Vec3,
+    in_view: InView,
     rooms: Mutex<Rooms>,
 }
 
@@ -129,21 +128,7 @@ pub(super) struct Answers {
 
 impl<'a> Shadows<'a> {
     pub(super) fn new(scene: &Scene, view: &View, hiders: &'a Hiders) -> Shadows<'a> {
-        let view_from_world = view.camera.view_from_world();
-        let center_in_view = view_from_world.transform_point3(scene.bounds().center());
-        Shadows { hiders, view_from_world, center_in_view, rooms: Mutex::default() }
-    }
-
-    /// The axes of a direction, view space.
-    pub(super) fn axes(&self, toward_in_world: Vec3) -> Axes {
-        let [right, up] = across(toward_in_world);
-        let [right, up, toward] = [right, up, toward_in_world].map(|v| self.view_from_world.transform_vector3(v));
-        Axes { right, up, toward, center: self.center_in_view }
-    }
-
-    /// How many primitives may hide the light.
-    pub(super) fn primitives(&self) -> usize {
-        self.hiders.primitives()
+        Shadows { hiders, in_view: InView::new(scene, view), rooms: Mutex::default() }
     }
 
     /// Does something with the rooms that are free.
@@ -158,15 +143,15 @@ impl<'a> Shadows<'a> {
         if self.hiders.is_empty() {
             return all;
         }
-        let world_from_view = self.view_from_world.inverse();
-        all.par_iter_mut().zip(samples).with_max_len(1).for_each(|(answers, (sample, packets))| {
+        let world_from_view = self.in_view.view_from_world.inverse();
+        let tell = |(answers, (sample, packets)): (&mut Answers, &(u32, P))| {
             let sky = lights.sky.of_sample(*sample);
             let directions = [sky, lights.key.of_sample(*sample)].concat();
             let bounds = packets.bounds();
             let mut asked: Vec<(Axes, Gathered)> = directions
                 .iter()
                 .map(|&toward| {
-                    let (axes, room) = (self.axes(toward), self.room(|rooms| rooms.points.pop()));
+                    let (axes, room) = (self.in_view.axes(toward), self.room(|rooms| rooms.points.pop()));
                     (axes, Gathered::new(axes.extent(&bounds), room.unwrap_or_default()))
                 })
                 .collect();
@@ -190,7 +175,12 @@ impl<'a> Shadows<'a> {
             let mut found: Vec<Answer> = asked.into_par_iter().with_max_len(1).map(ask).collect();
             answers.key = found.split_off(sky.len());
             answers.sky = found;
-        });
+        };
+        // No more samples at a time than threads: the points of each take some 40 MB at 1920 × 1080.
+        let some = rayon::current_num_threads().max(1);
+        for (answers, samples) in all.chunks_mut(some).zip(samples.chunks(some)) {
+            answers.par_iter_mut().zip(samples).with_max_len(1).for_each(tell);
+        }
         all
     }
 }
@@ -212,17 +202,24 @@ impl Answers {
                     seen[lane] += if sees { weight } else { 0.0 };
                 }
             }
-            let told = &mut points.told[kind];
-            for lane in 0..LANES {
-                told[lane] = if all[lane] > 0.0 { seen[lane] / all[lane] } else { unasked };
-            }
+            points.told[kind] = share(&seen, &all, unasked);
         }
     }
 }
 
+/// What points are told that see so much of all that they asked; `unasked` where that is nothing.
+#[inline(always)]
+pub(super) fn share(seen: &Lanes, all: &Lanes, unasked: f32) -> Lanes {
+    let mut told = [0.0; LANES];
+    for lane in 0..LANES {
+        told[lane] = if all[lane] > 0.0 { seen[lane] / all[lane] } else { unasked };
+    }
+    told
+}
+
 /// Cosines of points' normals with a direction, not below 0, and which points ask it.
 #[inline(always)]
-fn facing(points: &Points, toward: Vec3) -> (Lanes, Mask) {
+pub(super) fn facing(points: &Points, toward: Vec3) -> (Lanes, Mask) {
     let (mut facing, mut asks) = ([0.0f32; LANES], [0u32; LANES]);
     for lane in 0..LANES {
         let [nx, ny, nz] = [points.normal[0][lane], points.normal[1][lane], points.normal[2][lane]];
@@ -244,19 +241,10 @@ impl<P: Packets> Work for Gather<'_, P> {
         let runs = (0..self.packets.runs()).flat_map(|run| (0..self.packets.len_of(run)).map(move |at| (run, at)));
         for (packet, (run, at)) in runs.enumerate() {
             let points = self.packets.points(run, at);
-            for (Axes { right, up, toward, center }, gathered) in &mut *self.asked {
-                let (_, asks) = facing(&points, *toward);
+            for (axes, gathered) in &mut *self.asked {
+                let (_, asks) = facing(&points, axes.toward);
                 let (asks, first) = (bits(|lane| asks[lane] != 0), (packet * LANES) as u32);
-                let mut starts = Starts { x: [0.0; LANES], y: [0.0; LANES], height: [0.0; LANES], asks, first };
-                for lane in 0..LANES {
-                    let x = points.position[0][lane] - center.x;
-                    let y = points.position[1][lane] - center.y;
-                    let z = points.position[2][lane] - center.z;
-                    starts.x[lane] = x * right.x + y * right.y + z * right.z;
-                    starts.y[lane] = x * up.x + y * up.y + z * up.z;
-                    starts.height[lane] = x * toward.x + y * toward.y + z * toward.z;
-                }
-                gathered.add(&starts);
+                gathered.add(&Starts { at: axes.places(&points.position), asks, first });
             }
         }
     }

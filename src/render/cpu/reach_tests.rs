@@ -5,7 +5,7 @@ use crate::render::sky::{START_OFFSET, reach};
 use crate::render::solids::Solids;
 use crate::render::test_shapes::{Random, Shape, at};
 use crate::scene::{Block, CylinderInstance, Placement, Ray, SphereInstance};
-use glam::DVec3;
+use glam::{Affine3A, DVec3};
 
 /// A chain of balls and sticks, folded at random into a ball: as dense as atoms are in a protein.
 fn chain(seed: u64, count: u32, caps: u32, hidden: u32) -> Scene {

@@ -300,9 +300,7 @@ pub(super) struct Known<'a> {
     pub(super) packs: Option<&'a Packs>,
     /// Whether its placements must not be spread out: its packs are then what is drawn, whatever it is.
     pub(super) of_copies: bool,
-    /// Up to so many primitives points ask for light from afar at once.
-    pub(super) most_at_once: usize,
-    /// What light from afar asks, if it is asked for.
+    /// What points ask for light from afar if they do so together; without it each packet asks at once.
     pub(super) hiders: Option<&'a Hiders>,
 }
 
@@ -316,12 +314,12 @@ impl<'a> Known<'a> {
 /// Passes, and what their samples ask as soon as they are found.
 type AtOnce<'a> = (&'a [Pass], Option<&'a Questions<'a>>);
 
-/// What asks for light from afar.
-struct Asked<'a> {
-    shadows: Shadows<'a>,
-    lights: &'a Lights,
-    /// If the points ask at once, each packet for itself.
-    at_once: Option<Asking>,
+/// How points ask for light from afar.
+enum Asked<'a> {
+    /// Packet by packet, as soon as they are found.
+    AtOnce(Box<Asking>),
+    /// All of a sample.
+    Together(Shadows<'a>),
 }
 
 /// The finished picture; unfinished, and of no use, if `stop` became true meanwhile.
@@ -343,34 +341,35 @@ pub(super) fn image(
     let samples = settings.samples.clamp(1, 4096);
     let solids = solids_of(scene, view, packs);
     let asked = asked(scene, view, (lights, known));
-    // Who asks for light from afar does so some samples at a time.
-    let together = asked.as_ref().map_or(samples, |asked| match &asked.at_once {
-        Some(asking) => asking.parts(asked.lights, samples).first().map_or(samples, |part| part.end),
-        None => samples.min(4),
-    });
-    let pass = Pass::all(0..together, samples);
-    let tile = pass.first().map_or(1, |pass| pass.side) * SIDE as u32;
+    // A tile holds the passes of the most samples that are drawn at a time.
+    let most = match &asked {
+        Some(Asked::AtOnce(asking)) => asking.parts(lights, samples).first().map_or(samples, |part| part.end),
+        Some(Asked::Together(_)) => samples.min(lit::MOST_SAMPLES),
+        None => samples,
+    };
+    let tile = Pass::all(0..most, samples).first().map_or(1, |pass| pass.side) * SIDE as u32;
     let shader = Shader::new(&frame, &solids, ground_map);
     match packs {
         Some(packs) => {
             let source = Packed::new(scene, packs, &solids, outline.as_ref(), (view, tile));
             if source.is_any() {
-                return sampled(&Picture::new(shader, Any(source), view, tile), samples, asked, stop);
+                return sampled(&Picture::new(shader, Any(source), view, tile), samples, (asked, lights), stop);
             }
-            sampled(&Picture::new(shader, source, view, tile), samples, asked, stop)
+            sampled(&Picture::new(shader, source, view, tile), samples, (asked, lights), stop)
         }
         None => {
             let source = Listed::new(&solids, outline.as_ref(), view, tile);
-            sampled(&Picture::new(shader, source, view, tile), samples, asked, stop)
+            sampled(&Picture::new(shader, source, view, tile), samples, (asked, lights), stop)
         }
     }
 }
 
-/// What asks for light from afar in a view, if anything does.
-fn asked<'a>(scene: &Scene, view: &View, (lights, known): (&'a Lights, Known<'a>)) -> Option<Asked<'a>> {
-    let shadows = Shadows::new(scene, view, known.hiders.filter(|_| lights.asks())?);
-    let at_once = !known.of_copies && shadows.primitives() <= known.most_at_once;
-    Some(Asked { shadows, lights, at_once: at_once.then(|| Asking::new(scene, view)) })
+/// How points of a view ask for light from afar, if they do.
+fn asked<'a>(scene: &Scene, view: &View, (lights, known): (&Lights, Known<'a>)) -> Option<Asked<'a>> {
+    lights.asks().then(|| match known.hiders {
+        Some(hiders) => Asked::Together(Shadows::new(scene, view, hiders)),
+        None => Asked::AtOnce(Box::new(Asking::new(scene, view))),
+    })
 }
 
 /// What is not drawn from packs, in view space.
@@ -383,36 +382,47 @@ fn solids_of(scene: &Scene, view: &View, packs: Option<&Packs>) -> Solids {
 }
 
 /// The picture of all samples.
-fn sampled<S: Source>(picture: &Picture<'_, S>, samples: u32, asked: Option<Asked<'_>>, stop: &AtomicBool) -> Image {
+fn sampled<S: Source>(
+    picture: &Picture<'_, S>,
+    samples: u32,
+    (asked, lights): (Option<Asked<'_>>, &Lights),
+    stop: &AtomicBool,
+) -> Image {
     if samples == 1 && asked.is_none() {
         return picture.finished(stop);
     }
     let mut sums = picture.nothing();
-    let Some(Asked { shadows, lights, at_once }) = asked else {
-        let passes = Pass::all(0..samples, samples);
-        return picture.put_together(sums, stop, |bench, tile, mut sums| {
-            picture.add(bench, tile, (&passes, None), &mut sums);
-            picture.finish(tile, sums, samples)
-        });
-    };
-    if let Some(asking) = at_once {
-        for part in asking.parts(lights, samples) {
-            if stop.load(Ordering::Relaxed) {
-                break;
+    let (passes, questions) = match &asked {
+        None => (Pass::all(0..samples, samples), None),
+        Some(Asked::AtOnce(asking)) => {
+            let parts = asking.parts(lights, samples);
+            let (last, before) = parts.split_last().unwrap_or((&(0..0), &[]));
+            for part in before {
+                if stop.load(Ordering::Relaxed) {
+                    break;
+                }
+                let questions = asking.look(lights, part);
+                picture.add_to_all((&Pass::all(part.clone(), samples), Some(&questions)), &mut sums, stop);
             }
-            let questions = asking.look(&shadows, lights, &part);
-            picture.add_to_all((&Pass::all(part, samples), Some(&questions)), &mut sums, stop);
+            // The last samples of a tile finish it.
+            let last = if stop.load(Ordering::Relaxed) { &(0..0) } else { last };
+            (Pass::all(last.clone(), samples), Some(asking.look(lights, last)))
         }
-        return picture.put_together(sums, stop, |_, tile, sums| picture.finish(tile, sums, samples));
-    }
-    let mut room = Vec::new();
-    for part in lit::parts(&picture.reached(), samples) {
-        if stop.load(Ordering::Relaxed) {
-            break;
+        Some(Asked::Together(shadows)) => {
+            let mut room = Vec::new();
+            for part in lit::parts(&picture.reached(), samples) {
+                if stop.load(Ordering::Relaxed) {
+                    break;
+                }
+                lit::add(picture, (&part, samples), (shadows, lights), (&mut sums, &mut room), stop);
+            }
+            (Vec::new(), None)
         }
-        lit::add(picture, (&part, samples), (&shadows, lights), (&mut sums, &mut room), stop);
-    }
-    picture.put_together(sums, stop, |_, tile, sums| picture.finish(tile, sums, samples))
+    };
+    picture.put_together(sums, stop, |bench, tile, mut sums| {
+        picture.add(bench, tile, (&passes, questions.as_ref()), &mut sums);
+        picture.finish(tile, sums, samples)
+    })
 }
 
 /// The finished picture through a lens: each sample with a camera of its own, then all of them together.
@@ -442,10 +452,10 @@ fn image_through(
         let (shader, of) = (Shader::new(&frame, &solids, ground_map), (sample, samples));
         if let Some(packs) = packs {
             let source = Any(Packed::new(scene, packs, &solids, outline.as_ref(), (&view, side)));
-            add_sample(&Picture::new(shader, source, &view, side), of, asked, &mut sums, stop);
+            add_sample(&Picture::new(shader, source, &view, side), of, (asked, lights), &mut sums, stop);
         } else {
             let source = Listed::new(&solids, outline.as_ref(), &view, side);
-            add_sample(&Picture::new(shader, source, &view, side), of, asked, &mut sums, stop);
+            add_sample(&Picture::new(shader, source, &view, side), of, (asked, lights), &mut sums, stop);
         }
     }
     picture.put_together(sums, stop, |_, tile, sums| picture.finish(tile, sums, samples))
@@ -455,17 +465,16 @@ fn image_through(
 fn add_sample<S: Source>(
     picture: &Picture<'_, S>,
     (sample, samples): (u32, u32),
-    asked: Option<Asked<'_>>,
+    (asked, lights): (Option<Asked<'_>>, &Lights),
     sums: &mut [TileSums],
     stop: &AtomicBool,
 ) {
     let (part, passes) = (sample..sample + 1, [Pass::of_one(sample, samples)]);
     match asked {
-        Some(Asked { shadows, lights, at_once: Some(asking) }) => {
-            let questions = asking.look(&shadows, lights, &part);
-            picture.add_to_all((&passes, Some(&questions)), sums, stop);
+        Some(Asked::AtOnce(asking)) => {
+            picture.add_to_all((&passes, Some(&asking.look(lights, &part))), sums, stop);
         }
-        Some(Asked { shadows, lights, at_once: None }) => {
+        Some(Asked::Together(shadows)) => {
             let part = Part { tiles: 0..sums.len(), samples: part };
             lit::add(picture, (&part, samples), (&shadows, lights), (sums, &mut Vec::new()), stop);
         }
