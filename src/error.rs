@@ -28,6 +28,9 @@ pub enum Error {
     /// The graphics device is missing, lost, or refuses.
     #[error("GPU: {0}")]
     Gpu(String),
+    /// The work was given up, as was asked by its [`crate::stop::Stop`]; nothing is wrong.
+    #[error("given up")]
+    Stopped,
     /// The operating system refused to read or write.
     #[error("cannot {action} {}: {source}", path.display())]
     Io {

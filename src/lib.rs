@@ -36,6 +36,7 @@
 //! | layer | what it owns |
 //! |---|---|
 //! | [`math`], [`color`], [`element`], [`error`] | geometry, the only sRGB conversion, the element table, errors by whose fault they are |
+//! | [`stop`] | the flag by which long work is given up |
 //! | [`structure`] | the molecular model: structure of arrays, immutable once built |
 //! | [`import`], [`bonds`] | bytes to structures (and triangle meshes, [`import::mesh`], and frames of trajectories, [`import::trajectory`], which has a table of their formats), never guessing a bond; structures to bonds, never reading a file |
 //! | [`crystal`] | which copies of a structure's atoms are drawn: whole molecules, cells, supercells, assemblies |
@@ -153,6 +154,7 @@ pub mod render;
 pub mod scene;
 pub mod select;
 pub mod session;
+pub mod stop;
 pub mod structure;
 
 // What most programs begin with, by short names.

@@ -2,17 +2,20 @@
 //!
 //! The order of the rules matters: hydrogens choose first, then nonmetals shed what they cannot hold, then metals take
 //! what has electrons left. Within a rule nothing depends on the order of the atoms: each looks at the contacts as they
-//! were before it, or takes them from the best to the worst.
+//! were before it, or takes them from the best to the worst. So parts of a structure that no contact joins are settled at the same time.
 
 use super::contacts::{Contact, Contacts, State};
 use super::grid::Grid;
 use super::residues::Known;
 use super::rules::{self, PairTable};
 use super::sites::{Role, Sites};
-use super::{BondOptions, hydrogen, metal, valence};
+use super::{BondOptions, hydrogen, metal, parts, valence};
 use crate::element::Element;
+use crate::stop::Stop;
 use crate::structure::{Bond, BondKind, BondOrder, BondSource, Structure, atom_flags};
 use glam::Vec3;
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// How much longer than the covalent radii a bond between two residues may be that takes the place of hydrogens which are
 /// not in the model, at a carbon of the dictionary. Our choice: a sound one that no record states (the thioethers of haem
@@ -27,6 +30,7 @@ pub(super) fn find(
     settled: &[Bond],
     known: &Known,
     options: &BondOptions,
+    stop: &Stop,
 ) -> Vec<Bond> {
     let elements = structure.elements();
     if positions.len() != elements.len() {
@@ -43,7 +47,7 @@ pub(super) fn find(
         is_atom && !is_done && table.reach(table.species(element)) > 0.0
     };
     let grid = Grid::new(positions, elements, &table, takes_part);
-    let found = grid.pairs(|a, b, distance| {
+    let near = |a: u32, b: u32, distance: f32| {
         let (element_a, element_b) = (elements[a as usize], elements[b as usize]);
         let excess = distance - rules::radii(element_a, element_b);
         // What is known comes first: of a protein it settles most pairs.
@@ -51,7 +55,60 @@ pub(super) fn find(
             && is_open(structure, known, [a as usize, b as usize], excess)
             && sites.may_bond(a as usize, b as usize);
         may_be.then_some(Contact { a, b, excess, state: State::Open })
-    });
+    };
+    let found = grid.pieces_of_pairs(near, stop);
+    drop(grid);
+    let ends = found.iter().flatten().map(|contact| (contact.a, contact.b));
+    let parts = parts::split(elements.len(), parts::LEAST, ends.chain(settled.iter().map(|bond| (bond.a, bond.b))));
+    let contacts = by_part(&parts, found);
+    let find = |(part, found): (Range<usize>, Vec<Contact>)| {
+        if stop.is_set() {
+            return Vec::new();
+        }
+        let first = part.start as u32; // a structure has fewer than 2^32 atoms
+        let of_part = |bonds: &[Bond], end: usize| bonds.partition_point(|bond| (bond.a as usize) < end);
+        let settled = &settled[of_part(settled, part.start)..of_part(settled, part.end)];
+        let settled = settled.iter().map(|&bond| parts::renumbered(bond, |atom| atom - first)).collect();
+        let mut bonds = settle(&elements[part.clone()], &positions[part.clone()], settled, found, &sites.from(part.start));
+        for bond in &mut bonds {
+            *bond = parts::renumbered(*bond, |atom| atom + first);
+        }
+        bonds
+    };
+    let mut bonds: Vec<Vec<Bond>> = parts.into_par_iter().zip(contacts).with_max_len(1).map(find).collect();
+    if bonds.len() == 1 { bonds.pop().unwrap_or_default() } else { bonds.concat() }
+}
+
+/// The contacts of each part, by the numbers of its own atoms.
+fn by_part(parts: &[Range<usize>], found: Vec<Vec<Contact>>) -> Vec<Vec<Contact>> {
+    let mut counts = vec![0usize; parts.len()];
+    let mut at = 0;
+    // Contacts that are found one after the other are near each other, and so mostly of one part.
+    let mut part_of = |contact: &Contact| {
+        let atom = contact.a as usize;
+        if !parts[at].contains(&atom) {
+            at = parts.partition_point(|part| part.end <= atom);
+        }
+        at
+    };
+    found.iter().flatten().for_each(|contact| counts[part_of(contact)] += 1);
+    let mut sorted: Vec<Vec<Contact>> = counts.into_iter().map(Vec::with_capacity).collect();
+    for contact in found.into_iter().flatten() {
+        let part = part_of(&contact);
+        let first = parts[part].start as u32;
+        sorted[part].push(Contact { a: contact.a - first, b: contact.b - first, ..contact });
+    }
+    sorted
+}
+
+/// The bonds among these contacts of atoms that nothing joins to others.
+fn settle(
+    elements: &[Element],
+    positions: &[Vec3],
+    settled: Vec<Bond>,
+    found: Vec<Contact>,
+    sites: &Sites<'_>,
+) -> Vec<Bond> {
     // The rules look at atoms with contacts and all that these are bonded to: bonds of others are left out, most of a
     // structure whose residues are known.
     let mut has_contact = vec![false; elements.len()];
@@ -61,12 +118,12 @@ pub(super) fn find(
     let matters = |bond: &&Bond| {
         bond.kind != BondKind::Hydrogen && (has_contact[bond.a as usize] || has_contact[bond.b as usize])
     };
-    let settled: Vec<Bond> = settled.iter().filter(matters).copied().collect();
+    let settled: Vec<Bond> = settled.into_iter().filter(matters).collect();
     let mut contacts = Contacts::new(elements, &settled, found);
-    hydrogen::settle(&mut contacts, elements, &sites);
-    valence::settle(&mut contacts, elements, positions, &sites);
-    metal::settle(&mut contacts, elements, &sites);
-    bonds(&contacts, elements, &sites)
+    hydrogen::settle(&mut contacts, elements, sites);
+    valence::settle(&mut contacts, elements, positions, sites);
+    metal::settle(&mut contacts, elements, sites);
+    bonds(&contacts, elements, sites)
 }
 
 /// Whether what is known of the residues of two atoms leaves room for a bond between them.

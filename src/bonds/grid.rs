@@ -11,6 +11,7 @@
 
 use super::rules::PairTable;
 use crate::element::Element;
+use crate::stop::Stop;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -91,17 +92,24 @@ impl<'a> Grid<'a> {
         positions: &[Vec3],
         elements: &[Element],
         table: &'a PairTable,
-        takes_part: impl Fn(usize) -> bool,
+        takes_part: impl Fn(usize) -> bool + Sync,
     ) -> Grid<'a> {
-        let taken: Vec<Slot> = (positions.iter().enumerate())
-            .filter(|&(atom, position)| position.is_finite() && takes_part(atom))
-            .map(|(atom, &position)| Slot { position, atom: atom as u32 }) // a structure has fewer than 2^32 atoms
+        let takes_part = |atom: usize| positions[atom].is_finite() && takes_part(atom);
+        let taken: Vec<Slot> = (0..positions.len())
+            .into_par_iter()
+            .with_min_len(ATOMS_PER_TASK)
+            .filter(|&atom| takes_part(atom))
+            .map(|atom| Slot { position: positions[atom], atom: atom as u32 }) // a structure has fewer than 2^32 atoms
             .collect();
-        let metals = taken.iter().filter(|slot| elements[slot.atom as usize].is_metal()).count();
+        let of_slot = |slot: &Slot| {
+            let is_metal = elements[slot.atom as usize].is_metal();
+            (usize::from(is_metal), slot.position, slot.position)
+        };
+        let (metals, low, high) = taken.par_iter().with_min_len(ATOMS_PER_TASK).map(of_slot).reduce(
+            || (0, Vec3::INFINITY, Vec3::NEG_INFINITY),
+            |one, other| (one.0 + other.0, one.1.min(other.1), one.2.max(other.2)),
+        );
         let metals_apart = metals * FEW_METALS < taken.len();
-        let (low, high) = taken.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), slot| {
-            (low.min(slot.position), high.max(slot.position))
-        });
         // Halved first, so that the difference of two large numbers cannot overflow.
         let extent = if taken.is_empty() { 0.0 } else { (high * 0.5 - low * 0.5).max_element() };
         // Two atoms within reach must lie in touching cells in spite of rounding: one in a thousand for the division,
@@ -118,7 +126,8 @@ impl<'a> Grid<'a> {
             metals_apart,
         };
         grid.sort();
-        grid.species = grid.slots.iter().map(|slot| table.species(elements[slot.atom as usize])).collect();
+        let species = |slot: &Slot| table.species(elements[slot.atom as usize]);
+        grid.species = grid.slots.par_iter().with_min_len(ATOMS_PER_TASK).map(species).collect();
         grid
     }
 
@@ -134,9 +143,9 @@ impl<'a> Grid<'a> {
         let slots = self.slots.par_iter().with_min_len(ATOMS_PER_TASK);
         let keys: Vec<u64> = slots.map(|slot| key(self.cell_of(slot.position))).collect();
         let mask = (1u64 << AXIS_BITS) - 1;
-        let dims = keys.iter().fold([0u64; 3], |dims, &key| {
-            [dims[0].max(key & mask), dims[1].max((key >> AXIS_BITS) & mask), dims[2].max(key >> (2 * AXIS_BITS))]
-        });
+        let most = |one: [u64; 3], other: [u64; 3]| [0, 1, 2].map(|axis| one[axis].max(other[axis]));
+        let along = |&key: &u64| [key & mask, (key >> AXIS_BITS) & mask, key >> (2 * AXIS_BITS)];
+        let dims = keys.par_iter().with_min_len(ATOMS_PER_TASK).map(along).reduce(|| [0; 3], most);
         let volume = dims.iter().try_fold(1u64, |volume, &dim| volume.checked_mul(dim + 1)).unwrap_or(u64::MAX);
         let order: Vec<u32> = if volume <= 4 * keys.len() as u64 + 4096 {
             let row = |key: u64| {
@@ -155,17 +164,37 @@ impl<'a> Grid<'a> {
             }
             start += length;
         }
-        self.slots = order.iter().map(|&slot| self.slots[slot as usize]).collect();
+        let slots = &self.slots;
+        let sorted = order.par_iter().with_min_len(ATOMS_PER_TASK).map(|&slot| slots[slot as usize]).collect();
+        self.slots = sorted;
     }
 
     /// What `make` gives for every pair of atoms not farther apart than their longest bond: lower atom index, higher,
     /// distance.
     pub(super) fn pairs<T: Send>(&self, make: impl Fn(u32, u32, f32) -> Option<T> + Sync) -> Vec<T> {
+        let mut pieces = self.pieces_of_pairs(make, &Stop::never());
+        if pieces.len() <= 1 {
+            return pieces.pop().unwrap_or_default();
+        }
+        let mut all = Vec::with_capacity(pieces.iter().map(Vec::len).sum());
+        all.extend(pieces.into_iter().flatten());
+        all
+    }
+
+    /// The same in pieces as they were found, unless it is given up.
+    pub(super) fn pieces_of_pairs<T: Send>(
+        &self,
+        make: impl Fn(u32, u32, f32) -> Option<T> + Sync,
+        stop: &Stop,
+    ) -> Vec<Vec<T>> {
         let tasks = self.cells.len().div_ceil(CELLS_PER_TASK);
         let of_task = |task: usize| {
             let first = task * CELLS_PER_TASK;
             let last = (first + CELLS_PER_TASK).min(self.cells.len());
             let mut out = Vec::new();
+            if stop.is_set() {
+                return out;
+            }
             self.pairs_of_cells(first, last, &make, &mut out);
             if self.metals_apart {
                 self.pairs_of_metals(first, last, &make, &mut out);
@@ -173,12 +202,9 @@ impl<'a> Grid<'a> {
             out
         };
         if tasks <= 1 {
-            return (0..tasks).flat_map(of_task).collect();
+            return (0..tasks).map(of_task).collect();
         }
-        let parts: Vec<Vec<T>> = (0..tasks).into_par_iter().map(of_task).collect();
-        let mut all = Vec::with_capacity(parts.iter().map(Vec::len).sum());
-        all.extend(parts.into_iter().flatten());
-        all
+        (0..tasks).into_par_iter().map(of_task).collect()
     }
 
     fn pairs_of_cells<T>(

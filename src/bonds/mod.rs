@@ -21,6 +21,8 @@
 //! [`BondMode::File`] takes 1 and the file's own part of 2, [`BondMode::Perceive`] 3 alone. [`explain`] says of each bond
 //! where it comes from.
 //!
+//! Parts of a structure that nothing joins are worked on at the same time (`parts`), and all of it can be given up ([`assign_unless`]).
+//!
 //! The result is the same for every order of the atoms, up to ties, which the lower index wins, and for every
 //! number of threads.
 //!
@@ -42,6 +44,7 @@ mod ligands;
 mod links;
 mod metal;
 mod orders;
+mod parts;
 mod periodic;
 mod residues;
 mod rules;
@@ -57,6 +60,8 @@ pub(crate) use orders::small_rings;
 pub(crate) use residues::{atoms_of as residue_atoms, standard_name};
 pub use sites::waters;
 
+use crate::error::Result;
+use crate::stop::Stop;
 use crate::structure::{Bond, BondKind, BondOrder, BondSource, StatedBonds, Structure, apply_symmetry};
 use glam::Vec3;
 use residues::Known;
@@ -144,8 +149,11 @@ pub fn find(structure: &Structure, frame: usize, options: &BondOptions) -> Vec<B
 /// The bonds, and what is known of the residues.
 fn find_all(structure: &Structure, frame: usize, options: &BondOptions) -> (Vec<Bond>, Known) {
     match whole_cell(structure, frame, options) {
-        Some(whole) => (among_first(find_listed(&whole, 0, options).0, structure.atom_count()), Known::default()),
-        None => find_listed(structure, frame, options),
+        Some(whole) => {
+            let found = find_listed(&whole, 0, options, &Stop::never()).0;
+            (among_first(found, structure.atom_count()), Known::default())
+        },
+        None => find_listed(structure, frame, options, &Stop::never()),
     }
 }
 
@@ -171,8 +179,8 @@ fn among_first(bonds: Vec<Bond>, count: usize) -> Vec<Bond> {
     bonds.into_iter().filter(is_listed).collect()
 }
 
-/// The same among the atoms as listed.
-fn find_listed(structure: &Structure, frame: usize, options: &BondOptions) -> (Vec<Bond>, Known) {
+/// The same among the atoms as listed; if it is given up, only some.
+fn find_listed(structure: &Structure, frame: usize, options: &BondOptions, stop: &Stop) -> (Vec<Bond>, Known) {
     let options = options.sane();
     let stated = match options.mode {
         BondMode::None => return (Vec::new(), Known::default()),
@@ -187,24 +195,27 @@ fn find_listed(structure: &Structure, frame: usize, options: &BondOptions) -> (V
         BondMode::Auto | BondMode::File if is_complete => (stated, Known::default()),
         BondMode::Perceive | BondMode::None => {
             let known = Known::default();
-            (periodic::find(structure, frame, &[], &known, &options), known)
+            (periodic::find(structure, frame, &[], &known, &options, stop), known)
         }
-        BondMode::File => described(structure, positions, stated, false),
+        BondMode::File => described(structure, positions, stated, false, stop),
         BondMode::Auto => {
-            let (settled, known) = described(structure, positions, stated, true);
-            let inferred = periodic::find(structure, frame, &settled, &known, &options);
+            let (settled, known) = described(structure, positions, stated, true, stop);
+            let inferred = periodic::find(structure, frame, &settled, &known, &options, stop);
             (merge(settled, inferred), known)
         }
     };
+    if stop.is_set() {
+        return (bonds, known);
+    }
     let is_perceived = options.mode == BondMode::Perceive || options.mode == BondMode::Auto && !is_complete;
     if !is_complete || options.mode == BondMode::Perceive {
         ligands::settle(structure, positions, structure.lattice(frame), &mut bonds, is_perceived);
     }
     if is_perceived {
-        orders::perceive(structure.elements(), positions, structure.lattice(frame), &mut bonds);
+        orders::perceive(structure.elements(), positions, structure.lattice(frame), &mut bonds, stop);
     }
     orders::kekulise(structure, &mut bonds);
-    if !options.hydrogen_bonds {
+    if !options.hydrogen_bonds || stop.is_set() {
         return (bonds, known);
     }
     let more = periodic::hydrogen_bonds(structure, frame, &bonds);
@@ -220,10 +231,11 @@ fn described(
     positions: &[Vec3],
     stated: Vec<Bond>,
     with_dictionary: bool,
+    stop: &Stop,
 ) -> (Vec<Bond>, Known) {
     let stated = stated.into_iter().map(|bond| with_kind(bond, structure)).collect();
-    let mut known = residues::find(structure, positions, with_dictionary);
-    let links = if with_dictionary { links::find(structure, positions, &mut known) } else { Vec::new() };
+    let mut known = residues::find(structure, positions, with_dictionary, stop);
+    let links = if with_dictionary && !stop.is_set() { links::find(structure, positions, &mut known) } else { Vec::new() };
     let inside = std::mem::take(&mut known.bonds);
     (settle(stated, inside, links, &mut known), known)
 }
@@ -232,10 +244,25 @@ fn described(
 /// listed, it also gets the charges that follow from these.
 #[must_use]
 pub fn assign(structure: Structure, options: &BondOptions) -> Structure {
+    assign_until(structure, options, &Stop::never())
+}
+
+/// The same unless it is given up.
+///
+/// # Errors
+/// [`Error::Stopped`](crate::Error::Stopped).
+pub fn assign_unless(structure: Structure, options: &BondOptions, stop: &Stop) -> Result<Structure> {
+    let structure = assign_until(structure, options, stop);
+    stop.check()?;
+    Ok(structure)
+}
+
+/// The same; if it is given up, with some of the bonds.
+fn assign_until(structure: Structure, options: &BondOptions, stop: &Stop) -> Structure {
     let count = structure.atom_count();
     let whole = whole_cell(&structure, 0, options);
     let surroundings = whole.as_ref().unwrap_or(&structure);
-    let bonds = find_listed(surroundings, 0, options).0;
+    let bonds = find_listed(surroundings, 0, options, stop).0;
     let is_listed = match options.mode {
         BondMode::Auto => structure.stated_bonds() == StatedBonds::Complete,
         BondMode::Perceive => false,
@@ -245,7 +272,7 @@ pub fn assign(structure: Structure, options: &BondOptions) -> Structure {
     let charges = if is_listed || structure.has_formal_charges() || surroundings.has_altlocs() {
         Vec::new()
     } else {
-        orders::charges(surroundings, &bonds)
+        orders::charges(surroundings, &bonds, stop)
     };
     let bonds = if whole.is_some() { among_first(bonds, count) } else { bonds };
     let structure = structure.with_bonds(bonds);

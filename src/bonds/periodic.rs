@@ -11,6 +11,7 @@
 use super::residues::Known;
 use super::rules::{self, PairTable};
 use super::{BondOptions, distance, hbonds};
+use crate::stop::Stop;
 use crate::structure::{Bond, Cell, Positions, Structure};
 use glam::{DVec3, IVec3};
 
@@ -30,13 +31,14 @@ pub(super) fn find(
     settled: &[Bond],
     known: &Known,
     options: &BondOptions,
+    stop: &Stop,
 ) -> Vec<Bond> {
     let Some(positions) = structure.frames().get(frame).map(|frame| &frame.positions) else { return Vec::new() };
     let reach = f64::from(PairTable::new(structure.elements(), options).longest(true));
     let extended = structure.lattice(frame).and_then(|cell| Extended::new(structure, positions, cell, reach));
     match extended {
-        Some(extended) => extended.find(settled, known, options),
-        None => distance::find(structure, positions.relative(), settled, known, options),
+        Some(extended) => extended.find(settled, known, options, stop),
+        None => distance::find(structure, positions.relative(), settled, known, options, stop),
     }
 }
 
@@ -138,10 +140,10 @@ impl Extended {
         }
     }
 
-    fn find(&self, settled: &[Bond], known: &Known, options: &BondOptions) -> Vec<Bond> {
+    fn find(&self, settled: &[Bond], known: &Known, options: &BondOptions, stop: &Stop) -> Vec<Bond> {
         let settled = self.settled_everywhere(settled);
         let known = known.of_copies((0..self.all.atom_count() as u32).map(|index| self.place(index).0));
-        self.at_home(distance::find(&self.all, self.all.positions().relative(), &settled, &known, options))
+        self.at_home(distance::find(&self.all, self.all.positions().relative(), &settled, &known, options, stop))
     }
 
     /// The bonds of the atoms themselves, among those of all, each once.

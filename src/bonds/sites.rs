@@ -2,6 +2,7 @@
 
 use crate::element::Element;
 use crate::structure::{BondKind, NameId, Residue, Structure, atom_flags};
+use std::borrow::Cow;
 
 /// Residue names of water in the PDB and in the common force fields and programs (CHARMM, AMBER, GROMACS, OPLS, Tinker).
 /// A residue counts as water only if all its atoms are O, H or particles: `W` may be tungsten.
@@ -30,19 +31,31 @@ pub(super) enum Role {
 pub(super) struct Sites<'a> {
     structure: &'a Structure,
     /// Empty where every atom is plain.
-    roles: Vec<Role>,
+    roles: Cow<'a, [Role]>,
     has_altlocs: bool,
+    /// The atom that is called 0 here.
+    first: usize,
 }
 
 impl<'a> Sites<'a> {
     /// Reads the residues of a structure.
     pub(super) fn new(structure: &'a Structure) -> Sites<'a> {
-        Sites { structure, roles: roles(structure), has_altlocs: structure.has_altlocs() }
+        Sites { structure, roles: Cow::Owned(roles(structure)), has_altlocs: structure.has_altlocs(), first: 0 }
+    }
+
+    /// Those of the atoms from this one on, which is called 0 then.
+    pub(super) fn from(&self, first: usize) -> Sites<'_> {
+        Sites { roles: Cow::Borrowed(&self.roles), first: self.first + first, ..*self }
+    }
+
+    /// Alternate location of an atom.
+    fn altloc(&self, atom: usize) -> u8 {
+        self.structure.altloc(self.first + atom)
     }
 
     /// The part an atom plays.
     pub(super) fn role(&self, atom: usize) -> Role {
-        self.roles.get(atom).copied().unwrap_or(Role::Plain)
+        self.roles.get(self.first + atom).copied().unwrap_or(Role::Plain)
     }
 
     /// Whether two atoms are alternatives: in different alternate locations, so that never both are there.
@@ -50,7 +63,7 @@ impl<'a> Sites<'a> {
         if !self.has_altlocs {
             return false;
         }
-        let (code_a, code_b) = (self.structure.altloc(a), self.structure.altloc(b));
+        let (code_a, code_b) = (self.altloc(a), self.altloc(b));
         code_a != code_b && code_a != b' ' && code_b != b' '
     }
 
@@ -59,7 +72,7 @@ impl<'a> Sites<'a> {
         if !self.has_altlocs {
             return atoms.count();
         }
-        let codes = atoms.map(|atom| self.structure.altloc(atom));
+        let codes = atoms.map(|atom| self.altloc(atom));
         let of_code = |wanted: u8| codes.clone().filter(|&code| code == wanted).count();
         let fullest = codes.clone().filter(|&code| code != b' ').map(of_code).max();
         of_code(b' ') + fullest.unwrap_or(0)
@@ -68,6 +81,7 @@ impl<'a> Sites<'a> {
     /// Whether two atoms belong to one residue, or to copies of one: of a water that a periodic box has cut in two, one
     /// atom may be an image.
     fn is_same_residue(&self, a: usize, b: usize) -> bool {
+        let [a, b] = [a, b].map(|atom| self.first + atom);
         let residue = |atom: usize| {
             let residue = self.structure.residues()[self.structure.residue_index(atom)?];
             Some((residue.name, residue.number, residue.insertion_code, residue.chain))
@@ -83,7 +97,7 @@ impl<'a> Sites<'a> {
         if self.roles.is_empty() {
             return true;
         }
-        let element = |atom: usize| self.structure.elements()[atom];
+        let element = |atom: usize| self.structure.elements()[self.first + atom];
         match (self.role(a), self.role(b)) {
             (Role::Plain, Role::Plain) => true,
             (Role::Water, Role::Water) => {

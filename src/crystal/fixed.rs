@@ -15,6 +15,7 @@ use super::molecules::{self, Neighbours};
 use super::{CellChoice, Copies, CrystalOptions, Drawn, fractional_positions, lattice, place, without_images};
 use crate::bonds::{self, BondOptions};
 use crate::error::{Error, Result};
+use crate::stop::Stop;
 use crate::structure::{Bond, Cell, Frame, Structure};
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -88,12 +89,14 @@ pub struct Fixed {
 
 impl Fixed {
     /// Finds the bonds in the structure's first frame, in which the symmetry of a crystal counts; frames have none.
-    #[must_use]
-    pub fn new(structure: Structure, options: &CrystalOptions) -> Fixed {
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] if it is given up.
+    pub fn new_unless(structure: Structure, options: &CrystalOptions, stop: &Stop) -> Result<Fixed> {
         // One that is too large is drawn as listed: there is no frame of it that could be drawn.
         let copies = super::assembly(&structure, options).ok().flatten();
         let once = BondOptions { hydrogen_bonds: false, ..options.bonds };
-        let structure = bonds::assign(structure, &once).without_symmetry();
+        let structure = bonds::assign_unless(structure, &once, stop)?.without_symmetry();
         let mut vectors = Vec::new();
         if let Some(cell) = structure.lattice(0) {
             let at = fractional_positions(&structure, cell);
@@ -109,7 +112,7 @@ impl Fixed {
         /// The last number that was given.
         static LAST: AtomicU64 = AtomicU64::new(0);
         let kind = LAST.fetch_add(1, Ordering::Relaxed) + 1;
-        Fixed { kind, structure, options: *options, vectors, branches, is_endless, lattice, copies }
+        Ok(Fixed { kind, structure, options: *options, vectors, branches, is_endless, lattice, copies })
     }
 
     /// What is drawn of a frame.

@@ -27,6 +27,7 @@ pub use fixed::{BondsPerFrame, Fixed};
 
 use crate::bonds::{self, BondOptions};
 use crate::error::{Error, Result};
+use crate::stop::Stop;
 use crate::structure::{Bond, BondKind, Cell, Structure, apply_symmetry};
 use glam::{DVec3, IVec3};
 use molecules::{Molecule, Neighbours};
@@ -199,8 +200,16 @@ pub const INSTANCES_FROM: usize = 100_000;
 /// # Errors
 /// [`Error::Limit`] if that would be more than [`CrystalOptions::most_atoms`].
 pub fn draw(structure: Structure, options: &CrystalOptions) -> Result<Drawn> {
+    draw_unless(structure, options, &Stop::never())
+}
+
+/// The same unless it is given up.
+///
+/// # Errors
+/// As [`draw`], and [`Error::Stopped`].
+pub fn draw_unless(structure: Structure, options: &CrystalOptions, stop: &Stop) -> Result<Drawn> {
     if let Some(copies) = assembly(&structure, options)? {
-        let structure = without_images(bonds::assign(structure, &options.bonds));
+        let structure = without_images(bonds::assign_unless(structure, &options.bonds, stop)?);
         return Ok(Drawn { copies: Some(copies), ..Drawn::as_listed(structure) });
     }
     let (choice, _) = options.choice();
@@ -211,7 +220,7 @@ pub fn draw(structure: Structure, options: &CrystalOptions) -> Result<Drawn> {
         CellChoice::Molecule if !structure.residues().is_empty() => (structure, None),
         CellChoice::Molecule | CellChoice::Full => apply_symmetry(structure, options.most_atoms)?,
     };
-    let structure = bonds::assign(structure, &options.bonds);
+    let structure = bonds::assign_unless(structure, &options.bonds, stop)?;
     place(structure, original, listed, options)
 }
 

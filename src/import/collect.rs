@@ -1,24 +1,37 @@
 //! Records as they are read, and which of them are frames of one molecule.
 
 use super::{Document, Format, Limits};
+use super::text::Lines;
 use crate::error::{Error, Result};
+use crate::stop::Stop;
 use crate::structure::{Diagnostics, Structure};
 
 /// The records read so far.
 #[derive(Debug)]
 pub(super) struct Records {
     limits: Limits,
+    stop: Stop,
     list: Vec<Structure>,
     left_out: u64,
 }
 
 impl Records {
-    pub(super) fn new(limits: &Limits) -> Records {
-        Records { limits: *limits, list: Vec::new(), left_out: 0 }
+    pub(super) fn new(limits: &Limits, stop: &Stop) -> Records {
+        Records { limits: *limits, stop: stop.clone(), list: Vec::new(), left_out: 0 }
     }
 
     pub(super) fn limits(&self) -> &Limits {
         &self.limits
+    }
+
+    /// By which reading is given up. A reader may end wherever it sees that.
+    pub(super) fn stop(&self) -> &Stop {
+        &self.stop
+    }
+
+    /// The lines of a text that is read into these records: they end when reading is given up.
+    pub(super) fn lines<'a>(&self, text: &'a [u8]) -> Lines<'a> {
+        Lines::new(text, self.limits.line_bytes).until(&self.stop)
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -146,7 +159,7 @@ mod tests {
 
     #[test]
     fn only_the_same_atoms_are_frames_of_one_record() {
-        let mut records = Records::new(&Limits::default());
+        let mut records = Records::new(&Limits::default(), &Stop::never());
         for (elements, name, want) in [
             (vec![Element::C, Element::O], "", 0),
             (vec![Element::C, Element::O], "", 0),
@@ -160,7 +173,7 @@ mod tests {
 
     #[test]
     fn records_beyond_the_limit_are_counted() {
-        let mut records = Records::new(&Limits { records: 1, ..Limits::default() });
+        let mut records = Records::new(&Limits { records: 1, ..Limits::default() }, &Stop::never());
         assert_eq!(records.push_frame(molecule(&[Element::C], "")), Some(0));
         assert_eq!(records.push_frame(molecule(&[Element::O], "")), None);
         assert_eq!(records.push_frame(molecule(&[Element::C], "")), Some(0));
@@ -170,7 +183,7 @@ mod tests {
 
     #[test]
     fn update_keeps_the_order() {
-        let mut records = Records::new(&Limits::default());
+        let mut records = Records::new(&Limits::default(), &Stop::never());
         for element in [Element::C, Element::N, Element::O] {
             records.push(molecule(&[element], ""));
         }

@@ -10,7 +10,7 @@
 
 use super::collect::Records;
 use super::number::{next_f64, next_vector, parse_i64};
-use super::text::{Lines, Repeated, lossy, next_word, shown};
+use super::text::{Repeated, lossy, next_word, shown};
 use super::{ANGSTROM_PER_BOHR, is_plausible};
 use crate::element::Element;
 use crate::error::{Error, Result};
@@ -38,7 +38,7 @@ pub(super) fn is_cube(lines: &[&[u8]]) -> bool {
 }
 
 pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
-    let mut lines = Lines::new(text, records.limits().line_bytes);
+    let mut lines = records.lines(text);
     let title = lossy(lines.next().unwrap_or_default().trim_ascii()).into_owned();
     lines.next();
     let mut counts = [0; 4];

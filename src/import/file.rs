@@ -1,6 +1,7 @@
 //! The bytes of a file, large ones read by all cores: of the time that reading takes most goes to copying and to
 //! the memory's first use, which several cores share.
 
+use crate::stop::Stop;
 use rayon::prelude::*;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -9,19 +10,20 @@ use std::io::{self, Read, Seek, SeekFrom};
 const PIECE: usize = 4 << 20;
 
 /// All bytes of a file that is said to have `size`, at most `most` of them. A file that is longer or shorter than it said is
-/// read as it is.
-pub(super) fn read_all(mut file: File, size: u64, most: u64) -> io::Result<Vec<u8>> {
+/// read as it is; of one that is given up there is a part.
+pub(super) fn read_all(mut file: File, size: u64, most: u64, stop: &Stop) -> io::Result<Vec<u8>> {
     let said = usize::try_from(size.min(most)).unwrap_or(0);
     let mut bytes = Vec::new();
     if said >= 2 * PIECE && rayon::current_num_threads() > 1 {
-        bytes = read_pieces(&file, said, PIECE).unwrap_or_default();
+        bytes = read_pieces(&file, said, PIECE, stop).unwrap_or_default();
         file.seek(SeekFrom::Start(bytes.len() as u64))?;
     }
     if bytes.is_empty() {
         bytes.try_reserve_exact(said.saturating_add(1)).map_err(|_| io::ErrorKind::OutOfMemory)?;
     }
     // `take` stops at what never ends (a device) as well.
-    file.take(most - bytes.len() as u64).read_to_end(&mut bytes)?;
+    let mut rest = file.take(most - bytes.len() as u64);
+    while !stop.is_set() && rest.by_ref().take(PIECE as u64).read_to_end(&mut bytes)? > 0 {}
     Ok(bytes)
 }
 
@@ -44,13 +46,16 @@ pub(super) fn is_device(_: &std::fs::Metadata) -> bool {
     false
 }
 
-/// The first `size` bytes; an error if there are fewer, or if they can only be read one after another.
-fn read_pieces(file: &File, size: usize, piece_bytes: usize) -> io::Result<Vec<u8>> {
+/// The first `size` bytes, those behind where it is given up 0; an error if there are fewer, or if they can only be read one after another.
+fn read_pieces(file: &File, size: usize, piece_bytes: usize, stop: &Stop) -> io::Result<Vec<u8>> {
     // A vector of zeros is memory that the system has cleared already; whether there is as much is asked first.
     Vec::<u8>::new().try_reserve_exact(size).map_err(|_| io::ErrorKind::OutOfMemory)?;
     let mut bytes = vec![0; size];
     let pieces = bytes.par_chunks_mut(piece_bytes).enumerate();
-    pieces.try_for_each(|(index, piece)| read_exact_at(file, piece, (index * piece_bytes) as u64))?;
+    pieces.try_for_each(|(index, piece)| match stop.is_set() {
+        true => Ok(()),
+        false => read_exact_at(file, piece, (index * piece_bytes) as u64),
+    })?;
     Ok(bytes)
 }
 
@@ -88,15 +93,15 @@ mod tests {
         let path = std::env::temp_dir().join(format!("ballstick-file-{}", std::process::id()));
         let content: Vec<u8> = (0..1000u32).flat_map(u32::to_le_bytes).collect();
         std::fs::write(&path, &content).unwrap();
-        let open = || File::open(&path).unwrap();
+        let (open, never) = (|| File::open(&path).unwrap(), Stop::never());
         for piece_bytes in [1, 7, 4000, 5000] {
-            assert!(read_pieces(&open(), 4000, piece_bytes).unwrap() == content, "{piece_bytes}");
+            assert!(read_pieces(&open(), 4000, piece_bytes, &never).unwrap() == content, "{piece_bytes}");
         }
-        assert!(read_pieces(&open(), 4001, 7).is_err());
+        assert!(read_pieces(&open(), 4001, 7, &never).is_err());
         for size in [0, 10, 4000, 9999, 3 * PIECE as u64] {
-            assert!(read_all(open(), size, u64::MAX).unwrap() == content, "{size}");
+            assert!(read_all(open(), size, u64::MAX, &never).unwrap() == content, "{size}");
         }
-        assert!(read_all(open(), 4000, 1001).unwrap() == content[..1001]);
+        assert!(read_all(open(), 4000, 1001, &never).unwrap() == content[..1001]);
         std::fs::remove_file(&path).unwrap();
     }
 }

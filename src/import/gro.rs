@@ -62,7 +62,7 @@ fn angstrom(nm: DVec3, decimals: u8) -> DVec3 {
 }
 
 pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
-    let mut lines = Lines::new(text, records.limits().line_bytes);
+    let mut lines = records.lines(text);
     let mut notes = Notes::default();
     let mut decimals = 0;
     let mut outcome = Ok(());

@@ -38,6 +38,7 @@ pub mod trajectory;
 mod xyz;
 
 use crate::error::{Error, Result};
+use crate::stop::Stop;
 use crate::structure::{Diagnostic, Diagnostics, Frame, Structure};
 pub use glimpse::Glimpse;
 use std::io::Read;
@@ -52,6 +53,9 @@ pub struct ImportOptions {
     pub limits: Limits,
     /// The format; `None` finds it out from the content, then from the extension. Default: `None`.
     pub format: Option<Format>,
+    /// By which reading can be given up from another thread: it then ends soon, with [`Error::Stopped`]. (Only JSON is parsed to its end.)
+    /// Default: never.
+    pub stop: Stop,
 }
 
 /// What reading may cost: guards against broken and hostile files.
@@ -355,7 +359,8 @@ pub fn read_path(path: &Path, options: &ImportOptions) -> Result<Document> {
             return Err(too_large(limit));
         }
         let limit = file::most_bytes(&metadata, limit);
-        let bytes = file::read_all(file, size, limit.saturating_add(1)).map_err(io_error)?;
+        let bytes = file::read_all(file, size, limit.saturating_add(1), &options.stop).map_err(io_error)?;
+        options.stop.check()?;
         if bytes.len() as u64 > limit {
             return Err(too_large(limit));
         }
@@ -383,7 +388,7 @@ pub fn read_path(path: &Path, options: &ImportOptions) -> Result<Document> {
 /// [`Error::Unsupported`] for formats that are known but not read.
 pub fn read_bytes(bytes: &[u8], name_hint: &str, options: &ImportOptions) -> Result<Document> {
     let mut diagnostics = Diagnostics::default();
-    let plain = decompress::decompress(bytes, &options.limits, &mut diagnostics)?;
+    let plain = decompress::decompress(bytes, &options.limits, &options.stop, &mut diagnostics)?;
     read_plain(&plain, name_hint, options, diagnostics)
 }
 
@@ -393,23 +398,26 @@ fn read_owned(bytes: Vec<u8>, name_hint: &str, options: &ImportOptions) -> Resul
         return read_plain(&bytes, name_hint, options, Diagnostics::default());
     }
     let mut diagnostics = Diagnostics::default();
-    let plain = decompress::decompress(&bytes, &options.limits, &mut diagnostics)?.into_owned();
+    let plain = decompress::decompress(&bytes, &options.limits, &options.stop, &mut diagnostics)?.into_owned();
     drop(bytes);
     read_plain(&plain, name_hint, options, diagnostics)
 }
 
-fn read_plain(
-    bytes: &[u8],
-    name_hint: &str,
-    options: &ImportOptions,
-    mut diagnostics: Diagnostics,
-) -> Result<Document> {
+fn read_plain(bytes: &[u8], name_hint: &str, options: &ImportOptions, diagnostics: Diagnostics) -> Result<Document> {
+    options.stop.check()?;
+    let document = parse(bytes, name_hint, options, diagnostics);
+    // To a reader that is given up the text ends early: what it makes of that is nobody's.
+    options.stop.check()?;
+    document
+}
+
+fn parse(bytes: &[u8], name_hint: &str, options: &ImportOptions, mut diagnostics: Diagnostics) -> Result<Document> {
     if let Some(format) = TrajectoryFormat::of(bytes) {
         return Err(trajectory::needs_structure(format, name_hint));
     }
     if options.format == Some(Format::BinaryCif) || options.format.is_none() && bcif::is_binary_cif(bytes) {
         detect::warn_of_name(Format::BinaryCif, name_hint, &mut diagnostics);
-        let mut records = collect::Records::new(&options.limits);
+        let mut records = collect::Records::new(&options.limits, &options.stop);
         bcif::read(bytes, &mut records, &mut diagnostics)?;
         return records.finish(Format::BinaryCif, diagnostics);
     }
@@ -418,7 +426,7 @@ fn read_plain(
         Some(format) => detect::Detected::Format(format),
         None => detect::detect(&text, name_hint, &mut diagnostics)?,
     };
-    let mut records = collect::Records::new(&options.limits);
+    let mut records = collect::Records::new(&options.limits, &options.stop);
     let format = match format {
         detect::Detected::Json => json::read(&text, None, &mut records, &mut diagnostics)?,
         detect::Detected::Format(

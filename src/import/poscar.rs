@@ -40,7 +40,7 @@ pub(super) fn is_poscar(lines: &[&[u8]]) -> bool {
 }
 
 pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
-    let mut reader = Reader { lines: Lines::new(text, records.limits().line_bytes) };
+    let mut reader = Reader { lines: records.lines(text) };
     let mut header = reader.header()?;
     let total = header.total();
     let line = reader.lines.number();

@@ -1,6 +1,7 @@
 //! Text of any origin as lines: byte order marks, UTF-16, the line ends of all systems, lines with their numbers, fields.
 
 use crate::error::{Error, Result};
+use crate::stop::Stop;
 use crate::structure::Diagnostics;
 use memchr::{memchr, memchr_iter};
 use rayon::prelude::*;
@@ -46,18 +47,33 @@ fn from_utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16, diagnostics: &mut Diagnost
     text.into_bytes()
 }
 
-/// Lines with their numbers. A line longer than the limit ends the iteration; [`Lines::check`] then says so.
+/// Lines between two looks whether reading is given up: some milliseconds.
+pub(super) const LOOK_EVERY: u64 = 4096;
+
+/// Lines with their numbers. A line longer than the limit ends the iteration; [`Lines::check`] then says so. So does giving up ([`Lines::until`]), soon,
+/// which whoever began to read knows.
 #[derive(Debug, Clone)]
 pub(super) struct Lines<'a> {
     rest: &'a [u8],
     number: u64,
     max_bytes: usize,
     too_long: bool,
+    stop: Stop,
 }
 
 impl<'a> Lines<'a> {
     pub(super) fn new(text: &'a [u8], max_bytes: usize) -> Lines<'a> {
-        Lines { rest: text, number: 0, max_bytes, too_long: false }
+        Lines { rest: text, number: 0, max_bytes, too_long: false, stop: Stop::never() }
+    }
+
+    /// The same until reading is given up.
+    pub(super) fn until(self, stop: &Stop) -> Lines<'a> {
+        Lines { stop: stop.clone(), ..self }
+    }
+
+    /// Whether reading is given up.
+    pub(super) fn is_given_up(&self) -> bool {
+        self.stop.is_set()
     }
 
     /// 1-based number of the line that `next` gave last, 0 before the first.
@@ -85,6 +101,9 @@ impl<'a> Lines<'a> {
     pub(super) fn pass_over(&mut self, count: usize) -> bool {
         /// Bytes in which line ends are counted at once (chosen: they stay in the nearest cache).
         const SOME: usize = 1 << 14;
+        if self.is_given_up() {
+            return false;
+        }
         let (mut at, mut left) = (0, count);
         while left > 0 && at < self.rest.len() {
             let some = &self.rest[at..self.rest.len().min(at + SOME)];
@@ -123,6 +142,10 @@ impl<'a> Iterator for Lines<'a> {
     #[inline]
     fn next(&mut self) -> Option<&'a [u8]> {
         if self.rest.is_empty() {
+            return None;
+        }
+        if self.number.is_multiple_of(LOOK_EVERY) && self.is_given_up() {
+            self.rest = &[];
             return None;
         }
         let (line, rest) = match memchr(b'\n', self.rest) {

@@ -173,6 +173,12 @@ pub enum StatedBonds {
 /// Turned and sorted by [`Bond::key`], no duplicates (the first of a pair stays), no bonds of an atom to itself but to
 /// its images, all atoms below `atom_count`.
 pub(super) fn normalise(mut bonds: Vec<Bond>, atom_count: usize) -> Vec<Bond> {
+    // Bonds that were found are as they should be.
+    let is_sound = |bond: &Bond| bond.a < bond.b && (bond.b as usize) < atom_count;
+    let are_in_order = |pair: &[Bond]| pair[0].key() < pair[1].key();
+    if bonds.iter().all(is_sound) && bonds.windows(2).all(are_in_order) {
+        return bonds;
+    }
     for bond in &mut bonds {
         *bond = bond.turned();
     }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 /// `scene` stands before `render`, which stands before `export`, and so on; `main.rs` and `lib.rs` may use all.
 const LAYERS: &[&[&str]] = &[
     &["math", "color", "element", "error"],
+    &["stop"],
     &["structure"],
     &["import", "bonds"],
     &["crystal"],

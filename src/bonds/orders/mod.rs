@@ -52,20 +52,50 @@ mod states;
 #[cfg(test)]
 mod tests;
 
+use super::parts;
 use crate::element::Element;
+use crate::stop::Stop;
 use crate::structure::{Bond, BondKind, BondOrder, BondSource, Cell, Structure};
 use component::{Finder, Setup};
 use glam::Vec3;
 use graph::Graph;
 use model::MODEL;
 use rayon::prelude::*;
+use std::ops::Range;
 
 pub(super) use kekulise::kekulise;
 
 /// Gives an order to every covalent bond of heavy nonmetals that has none yet: those found by distance, and those of a
-/// partial list of the file that says nothing but which atoms are bonded. Marks the aromatic ones among these.
-pub(super) fn perceive(elements: &[Element], positions: &[Vec3], cell: Option<&Cell>, bonds: &mut [Bond]) {
+/// partial list of the file that says nothing but which atoms are bonded. Marks the aromatic ones among these. If it is given up, some have none.
+pub(super) fn perceive(
+    elements: &[Element],
+    positions: &[Vec3],
+    cell: Option<&Cell>,
+    bonds: &mut [Bond],
+    stop: &Stop,
+) {
     if positions.len() != elements.len() {
+        return;
+    }
+    // No bond's order depends on another molecule's.
+    let mut rest = &mut *bonds;
+    let mut tasks = Vec::new();
+    for (atoms, own) in parts::of_bonds(elements.len(), rest) {
+        let (head, tail) = rest.split_at_mut(own.len());
+        tasks.push((atoms, head));
+        rest = tail;
+    }
+    tasks.into_par_iter().with_max_len(1).for_each(|(atoms, bonds)| {
+        let first = atoms.start as u32; // a structure has fewer than 2^32 atoms
+        bonds.iter_mut().for_each(|bond| *bond = parts::renumbered(*bond, |atom| atom - first));
+        perceive_part(&elements[atoms.clone()], &positions[atoms], cell, bonds, stop);
+        bonds.iter_mut().for_each(|bond| *bond = parts::renumbered(*bond, |atom| atom + first));
+    });
+}
+
+/// The same for what nothing joins to the rest.
+fn perceive_part(elements: &[Element], positions: &[Vec3], cell: Option<&Cell>, bonds: &mut [Bond], stop: &Stop) {
+    if stop.is_set() {
         return;
     }
     let mut is_open = open_bonds(elements, bonds);
@@ -74,7 +104,7 @@ pub(super) fn perceive(elements: &[Element], positions: &[Vec3], cell: Option<&C
     }
     let graph = Graph::new(elements, positions, bonds, cell);
     let by_rule = inorganic::find(&graph, &is_open);
-    let found = {
+    let found = 'found: {
         let graph = if by_rule.is_empty() {
             graph
         } else {
@@ -84,15 +114,21 @@ pub(super) fn perceive(elements: &[Element], positions: &[Vec3], cell: Option<&C
             }
             Graph::new(elements, positions, bonds, cell)
         };
-        let Some(reach) = reach(&graph, &is_open) else { return };
-        let rings = rings::find(&graph, |atom| reach[atom], rings::LARGEST_RING);
+        let Some(reach) = reach(&graph, &is_open) else { break 'found None };
+        let rings = rings::find(&graph, |atom| reach[atom], rings::LARGEST_RING, stop);
+        if stop.is_set() {
+            return;
+        }
         let known = hydrogens_known(&graph, &reach);
         let setup = Setup::new(graph, &rings, &|atom| known[atom], &|bond| is_open[bond]);
-        let orders = best_orders(&setup);
+        let orders = best_orders(&setup, stop);
+        if stop.is_set() {
+            return;
+        }
         let aromatic = aromatic_bonds(&setup.graph, &rings, &orders, &|atom| known[atom]);
-        (orders, aromatic)
+        Some((orders, aromatic))
     };
-    let (orders, aromatic) = found;
+    let (orders, aromatic) = found.unwrap_or_default();
     for (bond, order) in orders {
         bonds[bond as usize].order = BondOrder::from_number(u32::from(order));
     }
@@ -182,12 +218,14 @@ fn reach(graph: &Graph<'_>, is_open: &[bool]) -> Option<Vec<bool>> {
 }
 
 /// The order of every bond in reach, by the model.
-fn best_orders(setup: &Setup<'_>) -> Vec<(u32, u8)> {
+fn best_orders(setup: &Setup<'_>, stop: &Stop) -> Vec<(u32, u8)> {
     let components = (0..setup.component_count()).into_par_iter().with_min_len(8);
     let found = components.fold(
         || Finder::new(setup),
         |mut finder, component| {
-            finder.add_best(component, &*MODEL);
+            if !stop.is_set() {
+                finder.add_best(component, &*MODEL);
+            }
             finder
         },
     );
@@ -219,15 +257,34 @@ fn aromatic_bonds(
     aromatic::find(graph, rings, &orders).concat()
 }
 
-/// The formal charges that follow from the bonds, where the structure states none: atom and charge.
-pub(super) fn charges(structure: &Structure, bonds: &[Bond]) -> Vec<(u32, i8)> {
-    let positions = structure.positions().relative();
-    let graph = Graph::new(structure.elements(), positions, bonds, structure.lattice(0));
+/// The formal charges that follow from the bonds, where the structure states none: atom and charge. If it is given up, some are missing.
+pub(super) fn charges(structure: &Structure, bonds: &[Bond], stop: &Stop) -> Vec<(u32, i8)> {
+    let (elements, positions) = (structure.elements(), structure.positions().relative());
+    let lattice = structure.lattice(0);
+    let of_part = |(atoms, own): (Range<usize>, Range<usize>)| {
+        let first = atoms.start as u32; // a structure has fewer than 2^32 atoms
+        let own = bonds[own].iter().map(|&bond| parts::renumbered(bond, |atom| atom - first)).collect::<Vec<_>>();
+        let found = match stop.is_set() {
+            true => Vec::new(),
+            false => charges_of_part(&elements[atoms.clone()], &positions[atoms], lattice, &own),
+        };
+        found.into_iter().map(|(atom, charge)| (atom + first, charge)).collect::<Vec<_>>()
+    };
+    parts::of_bonds(elements.len(), bonds).into_par_iter().with_max_len(1).map(of_part).collect::<Vec<_>>().concat()
+}
+
+fn charges_of_part(
+    elements: &[Element],
+    positions: &[Vec3],
+    lattice: Option<&Cell>,
+    bonds: &[Bond],
+) -> Vec<(u32, i8)> {
+    let graph = Graph::new(elements, positions, bonds, lattice);
     let mut known = hydrogens_known(&graph, &vec![true; graph.atom_count()]);
     let order = |bond: u32| bonds[bond as usize].order.number();
     charges::complete(&graph, &order, &mut known);
     let rings = match charges::may_have_ions_of_rings(&graph, &order, &|atom| known[atom]) {
-        true => rings::find(&graph, |atom| charges::is_flat_carbon(&graph, atom), rings::LARGEST_RING),
+        true => rings::find(&graph, |atom| charges::is_flat_carbon(&graph, atom), rings::LARGEST_RING, &Stop::never()),
         false => Vec::new(),
     };
     charges::find(&graph, &rings, &order, &|atom| known[atom])
@@ -241,7 +298,7 @@ pub(super) fn charges(structure: &Structure, bonds: &[Bond]) -> Vec<(u32, i8)> {
 #[must_use]
 pub fn aromatic_rings(structure: &Structure, bonds: &[Bond]) -> Vec<Vec<u32>> {
     let graph = Graph::new(structure.elements(), &[], bonds, None);
-    let rings = rings::find(&graph, |_| true, rings::LARGEST_RING);
+    let rings = rings::find(&graph, |_| true, rings::LARGEST_RING, &Stop::never());
     let known = hydrogens_known(&graph, &vec![true; graph.atom_count()]);
     let orders = aromatic::Orders {
         order: &|bond| bonds[bond as usize].order.number(),
@@ -254,7 +311,7 @@ pub fn aromatic_rings(structure: &Structure, bonds: &[Bond]) -> Vec<Vec<u32>> {
 /// The shortest rings through each of these bonds, up to `largest` atoms, each once: bonds (by index into `bonds`) and atoms in
 /// order. Rings with hydrogens or metals are none. Linear in the number of atoms.
 pub(crate) fn small_rings(structure: &Structure, bonds: &[Bond], largest: usize) -> Vec<rings::Ring> {
-    rings::find(&Graph::new(structure.elements(), &[], bonds, None), |_| true, largest)
+    rings::find(&Graph::new(structure.elements(), &[], bonds, None), |_| true, largest, &Stop::never())
 }
 
 /// For each atom of the graph's marked molecules whether its hydrogens are in the structure.

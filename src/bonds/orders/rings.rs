@@ -6,6 +6,7 @@
 //! relatives, cycloparaphenylene) are not listed.
 
 use super::graph::Graph;
+use crate::stop::Stop;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -56,7 +57,13 @@ struct Search {
 const UNSEEN: u8 = u8::MAX;
 
 /// The rings among the atoms for which `takes_part` holds, each once, in an order that depends on the atoms only.
-pub(super) fn find(graph: &Graph<'_>, takes_part: impl Fn(usize) -> bool + Sync, largest: usize) -> Vec<Ring> {
+/// If it is given up, some are missing.
+pub(super) fn find(
+    graph: &Graph<'_>,
+    takes_part: impl Fn(usize) -> bool + Sync,
+    largest: usize,
+    stop: &Stop,
+) -> Vec<Ring> {
     let core = core(graph, takes_part);
     let is_in = |atom: usize| core[atom] >= 2;
     let starts: Vec<u32> = (0..graph.atom_count()).filter(|&atom| is_in(atom)).map(|atom| atom as u32).collect();
@@ -65,6 +72,7 @@ pub(super) fn find(graph: &Graph<'_>, takes_part: impl Fn(usize) -> bool + Sync,
         .map_init(Search::default, |search, chunk| {
             search.steps.resize(graph.atom_count(), UNSEEN);
             let mut rings = Vec::new();
+            let chunk = if stop.is_set() { &[] } else { chunk };
             for &atom in chunk {
                 for neighbour in graph.around(atom as usize) {
                     if neighbour.atom > atom && is_in(neighbour.atom as usize) {

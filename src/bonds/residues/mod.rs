@@ -23,6 +23,7 @@ pub(super) use layout::Standing;
 
 use super::rules;
 use crate::element::Element;
+use crate::stop::Stop;
 use crate::structure::{Bond, BondSource, Structure};
 use glam::Vec3;
 use layout::{Atoms, Layout};
@@ -91,7 +92,7 @@ pub(crate) fn atoms_of(structure: &Structure, residue: usize) -> Range<usize> {
 }
 
 /// The bonds inside the residues, at these positions. Without the dictionary only what the file itself says of them.
-pub(super) fn find(structure: &Structure, positions: &[Vec3], with_dictionary: bool) -> Known {
+pub(super) fn find(structure: &Structure, positions: &[Vec3], with_dictionary: bool, stop: &Stop) -> Known {
     let nothing = structure.residues().is_empty()
         || structure.atom_names().is_empty()
         || positions.len() != structure.atom_count()
@@ -99,7 +100,7 @@ pub(super) fn find(structure: &Structure, positions: &[Vec3], with_dictionary: b
     if nothing {
         return Known::default();
     }
-    let mut known = lay_out_all(structure, with_dictionary);
+    let mut known = lay_out_all(structure, with_dictionary, stop);
     if known.layouts.iter().all(|layout| layout.template.is_none()) {
         return Known::default();
     }
@@ -119,12 +120,15 @@ pub(super) fn find(structure: &Structure, positions: &[Vec3], with_dictionary: b
 }
 
 /// Finds the layout of every residue.
-fn lay_out_all(structure: &Structure, with_dictionary: bool) -> Known {
+fn lay_out_all(structure: &Structure, with_dictionary: bool, stop: &Stop) -> Known {
     let mut known = Known { of_residue: Vec::with_capacity(structure.residues().len()), ..Known::default() };
     // Of each residue name its templates; of each name and fingerprint the layouts, by a residue that has them.
     let mut templates_of = HashMap::new();
     let mut layouts_of: HashMap<_, Vec<(u32, usize)>> = HashMap::new();
     for (index, residue) in structure.residues().iter().enumerate() {
+        if index.is_multiple_of(RESIDUES_PER_TASK) && stop.is_set() {
+            return Known::default();
+        }
         let range = atoms_of(structure, index);
         let alike = layouts_of.entry((residue.name, fingerprint(structure, &range))).or_default();
         let same = alike.iter().find(|&&(_, other)| are_alike(structure, &range, &atoms_of(structure, other)));

@@ -6,6 +6,7 @@
 //! 1234 at a factor of 1000 becomes the f64 that the text `1.234` is.
 
 use super::msgpack::{Cursor, Malformed, Token};
+use crate::stop::Stop;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The types of the specification by their numbers.
@@ -246,22 +247,33 @@ impl Problem {
 
 /// The bytes that decoded columns may still take.
 #[derive(Debug)]
-pub(super) struct Budget(AtomicU64);
+pub(super) struct Budget {
+    left: AtomicU64,
+    stop: Stop,
+}
 
 impl Budget {
     pub(super) fn new(bytes: u64) -> Budget {
-        Budget(AtomicU64::new(bytes))
+        Budget { left: AtomicU64::new(bytes), stop: Stop::never() }
+    }
+
+    /// The same, with nothing left once reading is given up.
+    pub(super) fn until(self, stop: &Stop) -> Budget {
+        Budget { stop: stop.clone(), ..self }
     }
 
     /// Another one of as many bytes as are left here.
     pub(super) fn again(&self) -> Budget {
-        Budget::new(self.0.load(Ordering::Relaxed))
+        Budget::new(self.left.load(Ordering::Relaxed)).until(&self.stop)
     }
 
     /// Takes room for so many values; everything is paid before it is allocated.
     pub(super) fn spend(&self, count: usize, size: usize) -> Result<(), Problem> {
         let bytes = (count as u64).saturating_mul(size as u64);
-        let paid = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(bytes));
+        if self.stop.is_set() {
+            return Err(Problem::TooLarge);
+        }
+        let paid = self.left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(bytes));
         paid.map(drop).map_err(|_| Problem::TooLarge)
     }
 }

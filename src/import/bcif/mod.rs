@@ -47,7 +47,7 @@ pub(super) fn is_binary_cif(bytes: &[u8]) -> bool {
 pub(super) fn read(bytes: &[u8], records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
     let limits = *records.limits();
     let budget = FREE_BYTES.saturating_add((bytes.len() as u64).saturating_mul(u64::from(limits.ratio.max(1))));
-    let context = Context::new(budget, limits.ratio);
+    let context = Context::new(encoding::Budget::new(budget).until(records.stop()), limits.ratio);
     let mut first_problem = None;
     let outcome = read_blocks(&mut Cursor::new(bytes), &context, |block| {
         let sites = match (block.plain_sites(&limits), block.table(Category::AtomSite)) {

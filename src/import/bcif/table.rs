@@ -29,8 +29,8 @@ pub(super) struct Context {
 
 impl Context {
     /// `budget` bounds the bytes of all decoded columns; `ratio` is the limit it comes from.
-    pub(super) fn new(budget: u64, ratio: u32) -> Context {
-        Context { budget: Budget::new(budget), problems: RefCell::default(), too_large: Cell::new(false), ratio }
+    pub(super) fn new(budget: Budget, ratio: u32) -> Context {
+        Context { budget, problems: RefCell::default(), too_large: Cell::new(false), ratio }
     }
 
     /// The problems since the last call.

@@ -259,7 +259,7 @@ proptest! {
         let by_row = file(&[category("_atom_site", rows.len(), &columns)]);
         let is_plain = |bytes: &[u8]| {
             let at = bytes.windows(10).position(|window| window == b"dataBlocks").unwrap() + 11;
-            let context = super::Context::new(1 << 30, 100);
+            let context = super::Context::new(Budget::new(1 << 30), 100);
             let (block, _) = super::BinaryBlock::read(&mut Cursor::new(&bytes[at..]), &context);
             block.plain_sites(&Limits::default()).is_some()
         };
@@ -351,7 +351,7 @@ fn promises_cost_nothing() {
         let result = read(&file(&[category("_atom_site", i32::MAX as usize, &columns)]));
         assert!(matches!(result, Err(Error::Limit { .. })), "{result:?}");
     }
-    let options = ImportOptions { limits: Limits { atoms: 1, ..Limits::default() }, format: None };
+    let options = ImportOptions { limits: Limits { atoms: 1, ..Limits::default() }, ..ImportOptions::default() };
     let result = read_bytes(&file(&[atom_site()]), "", &options);
     assert!(matches!(result, Err(Error::Limit { .. })));
 }

@@ -44,8 +44,9 @@ use token::{Token, Tokens};
 
 /// Reads all blocks; returns which of the two kinds of CIF it is.
 pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnostics) -> Result<Format> {
+    let stop = records.stop().clone();
     let mut reader = Reader {
-        tokens: Tokens::new(text),
+        tokens: Tokens::new(text, &stop),
         block: TextBlock::default(),
         sites: AtomSites::new(records.limits()),
         in_block: false,

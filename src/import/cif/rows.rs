@@ -10,6 +10,8 @@ use super::text::{TextRow, find_item};
 use super::token::{Token, Tokens, Value, closing_quote, is_blank};
 use crate::error::{Error, Result};
 use crate::import::Limits;
+use crate::import::text::LOOK_EVERY;
+use crate::stop::Stop;
 use crate::structure::Diagnostics;
 use memchr::memchr;
 use rayon::prelude::*;
@@ -80,9 +82,15 @@ struct Part {
 impl<'a> RowReader<'_, 'a> {
     /// Rows from line to line, as long as each is one.
     #[inline(never)]
-    fn read_lines(&mut self, text: &'a [u8], first_line: u64, sites: &mut AtomSites) -> Result<(usize, u64)> {
+    fn read_lines(
+        &mut self,
+        text: &'a [u8],
+        first_line: u64,
+        sites: &mut AtomSites,
+        stop: &Stop,
+    ) -> Result<(usize, u64)> {
         let (mut at, mut lines) = (0, 0);
-        while at < text.len() {
+        while at < text.len() && !(lines.is_multiple_of(LOOK_EVERY) && stop.is_set()) {
             let end = memchr(b'\n', &text[at..]).map_or(text.len(), |length| at + length);
             // The last line of a file may have been cut; what it is the tokens tell.
             if end == text.len() || end - at > self.limits.line_bytes || !split_row(text, at, end, &mut self.values) {
@@ -98,7 +106,7 @@ impl<'a> RowReader<'_, 'a> {
     /// Parts on all cores, up to the first line that is no row; while some are put together, the next are read.
     fn read_parts(&mut self, tokens: &mut Tokens<'a>, sites: &mut AtomSites, part_bytes: usize) -> Result<()> {
         let (columns, limits, width) = (self.columns, self.limits, self.values.len());
-        let (text, mut at) = (tokens.text, tokens.at);
+        let (text, stop, mut at) = (tokens.text, tokens.stop, tokens.at);
         let mut next_wave = || {
             let mut parts: Vec<&'a [u8]> = Vec::new();
             while parts.len() < PARTS_A_THREAD * rayon::current_num_threads() && at < text.len() {
@@ -114,12 +122,12 @@ impl<'a> RowReader<'_, 'a> {
             let mut sites = AtomSites::new(limits);
             sites.begin(columns, expected_rows(text));
             let mut reader = RowReader { columns, limits, values: vec![None; width] };
-            let outcome = reader.read_lines(text, 0, &mut sites);
+            let outcome = reader.read_lines(text, 0, &mut sites, stop);
             (text, outcome.map(|(bytes, lines)| Part { sites, bytes, lines }))
         };
         let read_all = |parts: Vec<&'a [u8]>| -> Vec<_> { parts.into_par_iter().with_max_len(1).map(read).collect() };
         let mut ready = read_all(next_wave());
-        while !ready.is_empty() {
+        while !ready.is_empty() && !tokens.stop.is_set() {
             let wave = next_wave();
             let put_together = || -> Result<bool> {
                 for (text, part) in ready {
@@ -150,7 +158,7 @@ impl<'a> RowReader<'_, 'a> {
         loop {
             let at_line = tokens.at == 0 || tokens.text[tokens.at - 1] == b'\n';
             if at_line {
-                let (bytes, lines) = self.read_lines(&tokens.text[tokens.at..], tokens.line, sites)?;
+                let (bytes, lines) = self.read_lines(&tokens.text[tokens.at..], tokens.line, sites, tokens.stop)?;
                 tokens.at += bytes;
                 tokens.line += lines;
             }

@@ -7,6 +7,8 @@
 //! Accepted beyond them: control characters count as blanks; a quote that is not closed on its line is part of an
 //! unquoted value.
 
+use crate::import::text::LOOK_EVERY;
+use crate::stop::Stop;
 use memchr::{memchr, memchr_iter, memmem};
 
 /// A value without its quotes; `None` for `.` and `?`.
@@ -39,6 +41,7 @@ pub(super) struct Tokens<'a> {
     /// The line on which the last token began.
     pub(super) token_line: u64,
     triple_quotes: bool,
+    pub(super) stop: &'a Stop,
 }
 
 /// Blanks, line ends and control characters.
@@ -54,8 +57,9 @@ pub(super) fn unquoted(word: &[u8]) -> Value<'_> {
 }
 
 impl<'a> Tokens<'a> {
-    pub(super) fn new(text: &'a [u8]) -> Tokens<'a> {
-        Tokens { text, at: 0, line: 1, token_line: 1, triple_quotes: text.starts_with(b"#\\#CIF_2.0") }
+    /// Those of a text, which ends when reading is given up.
+    pub(super) fn new(text: &'a [u8], stop: &'a Stop) -> Tokens<'a> {
+        Tokens { text, at: 0, line: 1, token_line: 1, triple_quotes: text.starts_with(b"#\\#CIF_2.0"), stop }
     }
 
     fn peek(&self, ahead: usize) -> Option<u8> {
@@ -81,6 +85,10 @@ impl<'a> Tokens<'a> {
         self.skip_blanks();
         self.token_line = self.line;
         let Some(first) = self.peek(0) else { return Token::End };
+        // It stays there: what comes is the end, however often it is asked for.
+        if self.line.is_multiple_of(LOOK_EVERY) && self.stop.is_set() {
+            return Token::End;
+        }
         match first {
             b';' if self.at == 0 || self.text[self.at - 1] == b'\n' => return self.text_field(),
             b'\'' | b'"' => {
@@ -187,7 +195,8 @@ mod tests {
     use super::*;
 
     fn tokens(text: &str) -> Vec<String> {
-        let mut tokens = Tokens::new(text.as_bytes());
+        let stop = Stop::never();
+        let mut tokens = Tokens::new(text.as_bytes(), &stop);
         let mut found = Vec::new();
         loop {
             let show = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -261,7 +270,8 @@ mod tests {
             ("1", Token::End),
             ("1\n;x", Token::Unclosed),
         ] {
-            let mut tokens = Tokens::new(text.as_bytes());
+            let stop = Stop::never();
+            let mut tokens = Tokens::new(text.as_bytes(), &stop);
             tokens.skip_values();
             assert_eq!(tokens.next(), next, "{text}");
         }

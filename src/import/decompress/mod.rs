@@ -9,6 +9,7 @@ mod zstd;
 
 use super::Limits;
 use crate::error::{Error, Result};
+use crate::stop::Stop;
 use crate::structure::Diagnostics;
 use std::borrow::Cow;
 
@@ -35,7 +36,12 @@ fn other_archive(bytes: &[u8]) -> Option<&'static str> {
 }
 
 /// The plain bytes. What is left of a damaged file is returned with an error diagnostic.
-pub(super) fn decompress<'a>(bytes: &'a [u8], limits: &Limits, diagnostics: &mut Diagnostics) -> Result<Cow<'a, [u8]>> {
+pub(super) fn decompress<'a>(
+    bytes: &'a [u8],
+    limits: &Limits,
+    stop: &Stop,
+    diagnostics: &mut Diagnostics,
+) -> Result<Cow<'a, [u8]>> {
     let mut plain = Cow::Borrowed(bytes);
     for layer in 0.. {
         if let Some(archive) = other_archive(&plain) {
@@ -51,7 +57,7 @@ pub(super) fn decompress<'a>(bytes: &'a [u8], limits: &Limits, diagnostics: &mut
         if layer == MAX_LAYERS {
             return Err(Error::limit(None, format!("compressed more than {MAX_LAYERS} times over")));
         }
-        let mut output = Output { plain: Vec::new(), file_bytes: bytes.len(), limits };
+        let mut output = Output { plain: Vec::new(), file_bytes: bytes.len(), limits, stop };
         inflate(&plain, &mut output, diagnostics)?;
         plain = Cow::Owned(output.plain);
     }
@@ -64,11 +70,13 @@ struct Output<'a> {
     /// Bytes of the file as it lies on disk: of nested compression the ratio of the whole counts, too.
     file_bytes: usize,
     limits: &'a Limits,
+    stop: &'a Stop,
 }
 
 impl Output<'_> {
     /// Adds a piece for which `consumed` bytes of the compressed data were read in all.
     fn push(&mut self, piece: &[u8], consumed: usize) -> Result<()> {
+        self.stop.check()?;
         let inflated = (self.plain.len() + piece.len()) as u64;
         if inflated > self.limits.decompressed_bytes {
             let limit = self.limits.decompressed_bytes;
@@ -137,7 +145,7 @@ mod tests {
 
     fn run(bytes: &[u8]) -> (Result<Vec<u8>>, usize) {
         let mut diagnostics = Diagnostics::default();
-        let plain = decompress(bytes, &Limits::default(), &mut diagnostics).map(Cow::into_owned);
+        let plain = decompress(bytes, &Limits::default(), &Stop::never(), &mut diagnostics).map(Cow::into_owned);
         (plain, diagnostics.into_list().len())
     }
 
@@ -178,7 +186,7 @@ mod tests {
     #[test]
     fn the_size_limit_holds() {
         let limits = Limits { decompressed_bytes: 1000, ..Limits::default() };
-        let result = decompress(&gzip(&[b'x'; 1001]), &limits, &mut Diagnostics::default()).map(Cow::into_owned);
+        let result = decompress(&gzip(&[b'x'; 1001]), &limits, &Stop::never(), &mut Diagnostics::default()).map(Cow::into_owned);
         assert!(matches!(result, Err(Error::Limit { .. })));
     }
 

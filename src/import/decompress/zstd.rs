@@ -102,6 +102,7 @@ mod tests {
     use super::super::super::Limits;
     use super::super::decompress;
     use super::*;
+    use crate::stop::Stop;
     use ruzstd::encoding::{CompressionLevel, compress_to_vec};
     use std::borrow::Cow;
 
@@ -111,7 +112,7 @@ mod tests {
 
     fn run(bytes: &[u8]) -> (Result<Vec<u8>>, usize) {
         let mut diagnostics = Diagnostics::default();
-        let plain = decompress(bytes, &Limits::default(), &mut diagnostics).map(Cow::into_owned);
+        let plain = decompress(bytes, &Limits::default(), &Stop::never(), &mut diagnostics).map(Cow::into_owned);
         (plain, diagnostics.into_list().len())
     }
 
@@ -171,7 +172,7 @@ mod tests {
         assert!(matches!(run(&bomb).0, Err(Error::Limit { .. })));
         assert!(matches!(run(&zstd(&bomb)).0, Err(Error::Limit { .. })));
         let limits = Limits { decompressed_bytes: 1000, ..Limits::default() };
-        let result = decompress(&zstd(&[b'x'; 1001]), &limits, &mut Diagnostics::default()).map(Cow::into_owned);
+        let result = decompress(&zstd(&[b'x'; 1001]), &limits, &Stop::never(), &mut Diagnostics::default()).map(Cow::into_owned);
         assert!(matches!(result, Err(Error::Limit { .. })));
     }
 

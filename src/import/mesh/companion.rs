@@ -3,6 +3,7 @@
 
 use super::super::{Limits, file, too_large};
 use crate::error::{Error, Result};
+use crate::stop::Stop;
 use std::cell::Cell;
 use std::path::{Component, Path};
 
@@ -56,7 +57,7 @@ impl<'a> Folder<'a> {
         }
         let opened = std::fs::File::open(&real).map_err(io_error)?;
         let left = self.bytes_left.get();
-        let bytes = file::read_all(opened, metadata.len().min(left), left.saturating_add(1)).map_err(io_error)?;
+        let bytes = file::read_all(opened, metadata.len().min(left), left.saturating_add(1), &Stop::never()).map_err(io_error)?;
         let count = bytes.len() as u64;
         if count > left {
             return Err(too_large(self.limit));

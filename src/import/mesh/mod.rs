@@ -56,7 +56,8 @@ pub fn read_path(path: &Path, options: &ImportOptions) -> Result<(Mesh, Vec<Diag
     let file = std::fs::File::open(path).map_err(io_error)?;
     let metadata = file.metadata().map_err(io_error)?;
     let (size, limit) = (metadata.len(), file::most_bytes(&metadata, limit));
-    let bytes = file::read_all(file, size.min(limit), limit.saturating_add(1)).map_err(io_error)?;
+    let bytes = file::read_all(file, size.min(limit), limit.saturating_add(1), &options.stop).map_err(io_error)?;
+    options.stop.check()?;
     if bytes.len() as u64 > limit {
         return Err(too_large(limit));
     }
@@ -90,7 +91,7 @@ pub fn read_bytes(
     options: &ImportOptions,
 ) -> Result<(Mesh, Vec<Diagnostic>)> {
     let mut diagnostics = Diagnostics::default();
-    let plain = decompress::decompress(bytes, &options.limits, &mut diagnostics)?;
+    let plain = decompress::decompress(bytes, &options.limits, &options.stop, &mut diagnostics)?;
     let folder = Folder::new(folder, &options.limits);
     let mut reading = Reading {
         mesh: MeshBuilder::default(),

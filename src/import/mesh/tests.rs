@@ -335,7 +335,7 @@ fn what_a_gltf_has_wrong_is_an_error_that_says_what() {
 
 #[test]
 fn size_has_a_limit() {
-    let options = ImportOptions { limits: Limits { triangles: 1, ..Limits::default() }, format: None };
+    let options = ImportOptions { limits: Limits { triangles: 1, ..Limits::default() }, ..ImportOptions::default() };
     let (json, buffer) = square();
     for bytes in [glb(&json, &buffer), b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 1 1\nf 1 2 3 4\n".to_vec()] {
         assert!(matches!(read_bytes(&bytes, "a.obj", None, &options), Err(Error::Limit { .. })));

@@ -27,7 +27,7 @@ use crate::structure::Diagnostics;
 const MOLECULE: &[u8] = b"@<TRIPOS>MOLECULE";
 
 pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
-    let mut lines = Lines::new(text, records.limits().line_bytes).peekable_lines();
+    let mut lines = records.lines(text).peekable_lines();
     let mut first_problem: Option<Error> = None;
     let mut index = 0u64;
     while let Some((_, line)) = lines.peek() {

@@ -61,11 +61,12 @@ fn read_in_chunks(
     diagnostics: &mut Diagnostics,
 ) -> Result<()> {
     let aligned = OnceLock::new();
+    let stop = records.stop().clone();
     let most = Most { line_bytes: records.limits().line_bytes, atoms: records.limits().atoms };
     let mut whole = Whole { reader: Reader::new(), atoms: AtomReader::new(text, &aligned), lines: 0, most };
     let mut chunks = chunks::split(text, chunk_bytes);
     if threads < 2 || text.len() <= chunk_bytes {
-        for chunk in chunks {
+        for chunk in chunks.take_while(|_| !stop.is_set()) {
             let scan = whole.scan_on(chunk);
             whole.take(scan, records, diagnostics)?;
         }
@@ -77,7 +78,7 @@ fn read_in_chunks(
             wave.map(|chunk| (chunk, chunks::guess_numbers(before(text, chunk)))).collect()
         };
         let mut ready = scan_all(next_wave(), &fresh, most);
-        while !ready.is_empty() {
+        while !ready.is_empty() && !stop.is_set() {
             let wave = next_wave();
             let put_together = || {
                 ready.into_iter().try_for_each(|(chunk, numbers, scan)| {
@@ -90,6 +91,7 @@ fn read_in_chunks(
             ready = scanned;
         }
     }
+    stop.check()?;
     let Whole { mut reader, mut atoms, .. } = whole;
     reader.builder = atoms.end_model();
     reader.end_model(records, diagnostics);

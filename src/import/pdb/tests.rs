@@ -12,7 +12,7 @@ fn read(text: &str) -> Result<Document> {
 /// Reads in chunks of so many bytes, by so many threads.
 fn in_chunks(text: &str, bytes: usize, threads: usize, limits: &Limits) -> Result<Document, String> {
     let mut diagnostics = Diagnostics::default();
-    let mut records = Records::new(limits);
+    let mut records = Records::new(limits, &crate::stop::Stop::never());
     super::read_in_chunks(text.as_bytes(), bytes, threads, &mut records, &mut diagnostics)
         .and_then(|()| records.finish(Format::Pdb, diagnostics))
         .map_err(|error| error.to_string())

@@ -18,7 +18,7 @@ mod molfile;
 mod v3000;
 
 use super::collect::Records;
-use super::text::{Lines, columns, is_blank_line};
+use super::text::{columns, is_blank_line};
 use crate::error::{Error, Result};
 use crate::structure::Diagnostics;
 
@@ -30,7 +30,7 @@ pub(super) fn is_counts_line(line: &[u8]) -> bool {
 }
 
 pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
-    let mut lines = Lines::new(text, records.limits().line_bytes);
+    let mut lines = records.lines(text);
     let mut record: Vec<&[u8]> = Vec::new();
     let mut first_problem = None;
     let mut index = 0u64;

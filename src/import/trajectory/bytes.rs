@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::import::{Limits, decompress, file};
+use crate::stop::Stop;
 use crate::structure::Diagnostics;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -22,7 +23,7 @@ enum Place {
 
 impl Bytes {
     /// Of a file. One that is compressed is unpacked into memory, within the limits.
-    pub(super) fn open(path: &Path, limits: &Limits) -> Result<Bytes> {
+    pub(super) fn open(path: &Path, limits: &Limits, stop: &Stop) -> Result<Bytes> {
         let failed = |source| Error::Io { action: "read", path: path.to_owned(), source };
         let file = File::open(path).map_err(failed)?;
         let len = file.metadata().map_err(failed)?.len();
@@ -32,7 +33,7 @@ impl Bytes {
             return Ok(on_disk);
         }
         let packed = on_disk.vec(0, len)?;
-        let plain = decompress::decompress(&packed, limits, &mut Diagnostics::default())?.into_owned();
+        let plain = decompress::decompress(&packed, limits, stop, &mut Diagnostics::default())?.into_owned();
         Ok(Bytes::of(plain, path))
     }
 

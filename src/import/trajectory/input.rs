@@ -121,7 +121,7 @@ pub fn read_input(input: &Input, options: &ImportOptions) -> Result<Document> {
             Error::Limit { message, .. } => Error::limit(None, format!("{}: {message}", path.display())),
             other => other,
         };
-        let trajectory = Trajectory::open(path, &options.limits).map_err(named)?;
+        let trajectory = Trajectory::open_unless(path, &options.limits, &options.stop).map_err(named)?;
         check_atoms(&structure, &input.structure, &trajectory)?;
         if let Some(problem) = trajectory.is_counted().then(|| trajectory.problem()).flatten() {
             diagnostics.warn(None, format!("{}: {problem}", path.display()));

@@ -25,6 +25,7 @@ pub(super) use input::{needs_structure, refuse_alone};
 
 use super::{FARTHEST, Limits};
 use crate::error::{Error, Result};
+use crate::stop::Stop;
 use crate::structure::Frame;
 use bytes::Bytes;
 use glam::Vec3;
@@ -110,7 +111,12 @@ impl Trajectory {
     /// [`Error::Io`] if it cannot be read, [`Error::Input`] if it is no trajectory or has no whole frame, [`Error::Limit`] if it has
     /// more atoms than [`Limits::atoms`], or is compressed and larger than the limits.
     pub fn open(path: &Path, limits: &Limits) -> Result<Trajectory> {
-        Trajectory::new(Bytes::open(path, limits)?, limits)
+        Trajectory::open_unless(path, limits, &Stop::never())
+    }
+
+    /// The same unless it is given up meanwhile, which matters to compressed ones.
+    pub(in crate::import) fn open_unless(path: &Path, limits: &Limits, stop: &Stop) -> Result<Trajectory> {
+        Trajectory::new(Bytes::open(path, limits, stop)?, limits)
     }
 
     /// The same for what is in memory; `name` is what it is called in messages.

@@ -31,7 +31,7 @@ pub(super) fn read(text: &[u8], records: &mut Records, diagnostics: &mut Diagnos
 }
 
 fn read_in_waves(text: &[u8], mut waves: Waves, records: &mut Records, diagnostics: &mut Diagnostics) -> Result<()> {
-    let mut lines = Lines::new(text, records.limits().line_bytes);
+    let mut lines = records.lines(text);
     let mut reader = Reader::default();
     let mut first_problem = None;
     let mut sound = 0u64;

@@ -31,7 +31,7 @@ impl Frame {
         let (mut at, mut count, mut decimals) = (0, 0, notes.decimals);
         let mut elements = [Element::DUMMY; SOME];
         let mut points = [DVec3::ZERO; SOME];
-        loop {
+        while !lines.is_given_up() {
             let mut filled = 0;
             let room = SOME.min(most - count);
             while filled < room

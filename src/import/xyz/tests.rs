@@ -96,7 +96,7 @@ fn a_count_is_a_claim_not_a_fact() {
     for count in ["2147483647", "18446744073709551615", "99999999999999999999999"] {
         assert!(read(&format!("{count}\n\nC 0 0 0\n")).is_err());
     }
-    let options = ImportOptions { limits: crate::import::Limits { atoms: 1, ..Default::default() }, format: None };
+    let options = ImportOptions { limits: crate::import::Limits { atoms: 1, ..Default::default() }, ..ImportOptions::default() };
     let error = read_bytes(b"2\n\nC 0 0 0\nC 0 0 1\n", "", &options).unwrap_err();
     assert!(matches!(error, Error::Limit { .. }), "{error}");
     assert!(read("0\n\n").is_err());
@@ -105,7 +105,7 @@ fn a_count_is_a_claim_not_a_fact() {
 /// Reads with so many threads, waves of so many bytes a thread, and parts of so many atoms.
 fn in_waves(text: &str, threads: usize, bytes: usize, atoms: usize, limits: &Limits) -> Result<Document, String> {
     let mut diagnostics = Diagnostics::default();
-    let mut records = Records::new(limits);
+    let mut records = Records::new(limits, &crate::stop::Stop::never());
     let waves = super::Waves { threads, least_bytes: bytes, part_atoms: atoms, tried: usize::MAX };
     super::read_in_waves(text.as_bytes(), waves, &mut records, &mut diagnostics)
         .and_then(|()| records.finish(Format::Xyz, diagnostics))

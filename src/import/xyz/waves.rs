@@ -150,6 +150,9 @@ fn read_frame(found: &Found<'_>) -> Option<Read> {
     let mut parts: Vec<_> = found.parts.par_iter().map(|part| read_part(part, &first, &comment)).collect();
     let (mut frame, mut notes) = parts.first_mut()?.take()?;
     for part in parts.into_iter().skip(1) {
+        if found.end.is_given_up() {
+            return None;
+        }
         let (part, more) = part?;
         if !frame.append(part) {
             return None;

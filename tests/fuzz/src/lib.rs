@@ -18,7 +18,7 @@ use std::sync::{Arc, LazyLock};
 pub fn go(format: Option<Format>, bytes: &[u8]) {
     // Small limits keep the fuzzer on code, not on waiting.
     let limits = Limits { decompressed_bytes: 1 << 22, atoms: 20_000, records: 64, ..Limits::default() };
-    let Ok(document) = read_bytes(bytes, "", &ImportOptions { format, limits }) else { return };
+    let Ok(document) = read_bytes(bytes, "", &ImportOptions { format, limits, ..Default::default() }) else { return };
     for record in document.records.into_iter().take(2) {
         for frame in record.frames() {
             assert!(frame.positions.relative().iter().all(|position| position.is_finite()));
@@ -36,7 +36,7 @@ pub fn go(format: Option<Format>, bytes: &[u8]) {
 pub fn draw(bytes: &[u8]) {
     thread_local!(static RENDERER: RefCell<CpuRenderer> = RefCell::new(CpuRenderer::new()));
     let limits = Limits { decompressed_bytes: 1 << 22, atoms: 2_000, records: 4, ..Limits::default() };
-    let Ok(document) = read_bytes(bytes, "", &ImportOptions { format: None, limits }) else { return };
+    let Ok(document) = read_bytes(bytes, "", &ImportOptions { limits, ..Default::default() }) else { return };
     let Some(record) = document.records.into_iter().next() else { return };
     let options = CrystalOptions { most_atoms: 5_000, ..CrystalOptions::default() };
     let Ok(drawn) = crystal::draw(record, &options) else { return };

@@ -37,7 +37,8 @@ fn row(n: usize) -> String {
 fn read(text: &str, part_bytes: usize) -> (Structure, Vec<String>) {
     let mut diagnostics = Diagnostics::default();
     let limits = Limits::default();
-    let mut tokens = Tokens::new(text.as_bytes());
+    let stop = Stop::never();
+    let mut tokens = Tokens::new(text.as_bytes(), &stop);
     assert!(matches!(tokens.next(), Token::Data(b"x")));
     assert_eq!(tokens.next(), Token::Loop);
     let mut names = Vec::new();
@@ -60,7 +61,7 @@ fn read(text: &str, part_bytes: usize) -> (Structure, Vec<String>) {
     reader.read(&mut tokens, &mut sites, &mut diagnostics).unwrap();
     assert_eq!(tokens.next(), Token::Name(b"_entry.id"));
     assert_eq!(tokens.line as usize, text.lines().count());
-    let mut records = Records::new(&limits);
+    let mut records = Records::new(&limits, &crate::stop::Stop::never());
     let block = super::super::text::TextBlock::new(b"x");
     super::super::block::finish(&block, sites, &mut records, &mut diagnostics).unwrap();
     let document = records.finish(crate::import::Format::Mmcif, diagnostics).unwrap();
@@ -120,7 +121,8 @@ proptest! {
         if slow_is {
             prop_assert_eq!(&quick, &slow);
             // And the tokens say the same.
-            let mut tokens = Tokens::new(line.as_bytes());
+            let stop = Stop::never();
+            let mut tokens = Tokens::new(line.as_bytes(), &stop);
             for value in slow {
                 prop_assert_eq!(tokens.next(), Token::Value(value));
             }
