@@ -333,7 +333,7 @@ fn build(items: &[Item<'_>], options: &SceneOptions, rig: &Rig) -> Scene {
                 {
                     Quat::from_rotation_y(std::f32::consts::PI) * turn
                 }
-                None => turn,
+                None => fit::turn_aside(scene.world_spheres(), turn) * turn,
             };
             (turn, fit::PITCH_RAD)
         }
