@@ -53,7 +53,7 @@ mod tests;
 
 pub use explain::{Explained, NotBonded, explain, length, not_bonded, order_in_words, source_in_words};
 pub use orders::aromatic_rings;
-pub(crate) use orders::small_rings;
+pub(crate) use orders::{Ring, small_rings};
 pub(crate) use residues::{atoms_of as residue_atoms, standard_name};
 pub use sites::waters;
 

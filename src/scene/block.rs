@@ -1,6 +1,6 @@
 //! The balls and sticks of one structure: which atoms are drawn, how large, and what their bonds look like.
 
-use super::aromatic::{self, Aromatic};
+use super::aromatic::{self, Aromatic, Shown};
 use super::chosen::Chosen;
 use super::dashes::{dashes, is_dashed};
 use super::haptic;
@@ -72,8 +72,8 @@ impl Rig {
             is_drawn(bond) && bond.order == BondOrder::Single && bond.kind == BondKind::Covalent && !bond.aromatic
         });
         let ring_of = |(index, bond): (usize, &Bond)| {
-            let has_ring = rings.has(index as u32);
-            let is_wanted = is_drawn(bond) && sticks::is_multiple(&options.aromatic.as_drawn(bond, has_ring));
+            let drawn = options.aromatic.as_drawn(bond, rings.shown(index as u32));
+            let is_wanted = is_drawn(bond) && sticks::is_multiple(&drawn);
             let style = chosen.bond_style(bond.a, bond.b);
             let has_sticks = sizes.stick(style, BondKind::Covalent).is_some();
             let ring = if is_wanted && has_sticks { sticks::ring(&neighbours, bond) } else { None };
@@ -155,7 +155,7 @@ impl Rig {
                 let mut sticks = Vec::new();
                 let ring = self.ring_of_bond.binary_search_by_key(&index, |(bond, _)| *bond).ok();
                 let ring = ring.map(|at| &*self.ring_of_bond[at].1);
-                artist.bond(bond, self.rings.has(index), ring, id_of_bond(index), |stick| sticks.push(stick));
+                artist.bond(bond, self.rings.shown(index), ring, id_of_bond(index), |stick| sticks.push(stick));
                 sticks
             })
             .collect();
@@ -204,9 +204,9 @@ impl Artist<'_> {
         self.chosen.bond_style(a, b)
     }
 
-    /// `has_ring` says that a ring shows that the bond is aromatic; `ring` are the atoms of the one that it is in, if it has several sticks.
-    fn bond(&self, bond: &Bond, has_ring: bool, ring: Option<&[u32]>, id: u32, push: impl FnMut(CylinderInstance)) {
-        self.between(&self.aromatic.as_drawn(bond, has_ring), self.positions[bond.b as usize], ring, id, push);
+    /// `shown` says what shows that the bond is aromatic; `ring` are the atoms of the one that it is in, if it has several sticks.
+    fn bond(&self, bond: &Bond, shown: Shown, ring: Option<&[u32]>, id: u32, push: impl FnMut(CylinderInstance)) {
+        self.between(&self.aromatic.as_drawn(bond, shown), self.positions[bond.b as usize], ring, id, push);
     }
 
     /// A bond towards or away from the viewer.
@@ -312,7 +312,7 @@ impl Artist<'_> {
             return self.dashed_stub(&stub.bond, start, along, [length, face], id, push);
         }
         // The ring that a cut bond is in is not whole.
-        self.between(&self.aromatic.as_drawn(&stub.bond, false), start + vector, None, id, |stick| {
+        self.between(&self.aromatic.as_drawn(&stub.bond, Shown::default()), start + vector, None, id, |stick| {
             let [from, to] = [stick.a, stick.b].map(|p| (Vec3::from(p) - start).dot(along));
             if from >= face {
                 return;

@@ -11,8 +11,11 @@ use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
 pub const PITCH_RAD: f32 = 0.296_706;
 /// Vertical opening angle of the default camera, radians: 24°, a short telephoto as in product photographs.
 pub const FOV_Y_RAD: f32 = 0.418_879;
+/// The ground is fully there up to this many diagonals of the scene from its centre: shadows fade before a picture that the scene fills
+/// ends, those under its far ends are still there.
+pub const GROUND_FADE_START: f32 = 0.25;
 /// The ground has faded to the background at this many diagonals of the scene from its centre.
-pub const GROUND_FADE_END: f32 = 6.0;
+pub const GROUND_FADE_END: f32 = 0.8;
 /// Free part of the picture on each side.
 pub const MARGIN: f32 = 0.06;
 

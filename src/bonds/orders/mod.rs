@@ -61,6 +61,7 @@ use model::MODEL;
 use rayon::prelude::*;
 
 pub(super) use kekulise::kekulise;
+pub(crate) use rings::Ring;
 
 /// Gives an order to every covalent bond of heavy nonmetals that has none yet: those found by distance, and those of a
 /// partial list of the file that says nothing but which atoms are bonded. Marks the aromatic ones among these.
@@ -253,7 +254,7 @@ pub fn aromatic_rings(structure: &Structure, bonds: &[Bond]) -> Vec<Vec<u32>> {
 
 /// The shortest rings through each of these bonds, up to `largest` atoms, each once: bonds (by index into `bonds`) and atoms in
 /// order. Rings with hydrogens or metals are none. Linear in the number of atoms.
-pub(crate) fn small_rings(structure: &Structure, bonds: &[Bond], largest: usize) -> Vec<rings::Ring> {
+pub(crate) fn small_rings(structure: &Structure, bonds: &[Bond], largest: usize) -> Vec<Ring> {
     rings::find(&Graph::new(structure.elements(), &[], bonds, None), |_| true, largest)
 }
 
