@@ -7,7 +7,7 @@
 
 use super::lanes::{LANES, Lanes};
 use super::simd::{Work, widest};
-use crate::math::{Aabb, max, min};
+use crate::math::{max, min};
 use crate::render::field::{Field, GroundMap, QUICK_SHADOW, Way, eased};
 use crate::render::frame::FrameConstants;
 use crate::render::hierarchy::WIDTH;
@@ -82,7 +82,7 @@ impl Ways<'_> {
         let mut waiting = vec![(top, 0usize)];
         while let Some((level, node)) = waiting.pop() {
             // What was found since may have left nothing to darken.
-            if self.nearest_to(&hierarchy.boxes[hierarchy.levels[level] as usize + node]).is_none() {
+            if self.nearest_to(hierarchy.levels[level] as usize + node).is_none() {
                 continue;
             }
             if level == 0 {
@@ -100,7 +100,7 @@ impl Ways<'_> {
             let first = waiting.len();
             let mut keys = [0.0f32; WIDTH];
             for child in node * WIDTH..((node + 1) * WIDTH).min(end - start) {
-                if let Some(key) = self.nearest_to(&hierarchy.boxes[start + child]) {
+                if let Some(key) = self.nearest_to(start + child) {
                     // The nearest is to be the last.
                     let mut at = waiting.len();
                     waiting.push((level - 1, child));
@@ -115,9 +115,14 @@ impl Ways<'_> {
         }
     }
 
-    /// How near to any way what is in a box may be; `None` if it darkens none.
+    /// How near to any way what is in a box of the field's hierarchy may be; `None` if it darkens none.
     #[inline(always)]
-    fn nearest_to(&self, b: &Aabb) -> Option<f32> {
+    fn nearest_to(&self, number: usize) -> Option<f32> {
+        let (b, least) = (&self.field.hierarchy().boxes[number], self.field.least_light_in(number));
+        // What is see-through there leaves more than there is left anywhere.
+        if least > 0.0 && !self.light.iter().any(|&light| least < light - self.way.slack) {
+            return None;
+        }
         let (center, radius) = ((b.min + b.max) * 0.5, (b.max - b.min).length() * 0.5);
         self.nearest_ball(center, radius)
     }
