@@ -133,7 +133,7 @@ fn the_shadow_is_that_of_the_darkest_point_of_the_way() {
     let (sharpness, start) = (frame.ground_map_size[2], 1e-3 * scene.bounds().size().length());
     let mut random = Random(10);
     let (mut dark, mut half, mut worst) = (0, 0, 0.0f32);
-    for _ in 0..300 {
+    for _ in 0..600 {
         let p = Vec3::new(random.between(-15.0, 15.0) as f32, frame.ground[0], random.between(-15.0, 15.0) as f32);
         let ways = (0..6000).map(|i| start + i as f32 * 0.01);
         let least =
