@@ -54,9 +54,9 @@ impl Aromatic {
         let (aromatic, order) = match (self, shown) {
             _ if !bond.aromatic => return *bond,
             (Aromatic::Kekule, _) if bond.order == BondOrder::Unknown => (false, BondOrder::Double),
-            (Aromatic::Kekule, _) | (_, Shown::ByOrder) => (false, bond.order),
-            (_, Shown::ByRing) => (false, BondOrder::Single),
-            (_, Shown::ByStick) => (true, BondOrder::Double),
+            (Aromatic::Kekule, _) | (_, Shown::Order) => (false, bond.order),
+            (_, Shown::Ring) => (false, BondOrder::Single),
+            (_, Shown::Stick) => (true, BondOrder::Double),
         };
         Bond { aromatic, order, ..*bond }
     }
@@ -79,11 +79,11 @@ const DARKER: f32 = 0.6;
 pub(super) enum Shown {
     /// The bond itself.
     #[default]
-    ByStick,
+    Stick,
     /// A ring beside it.
-    ByRing,
+    Ring,
     /// Nothing: it is drawn as the Kekulé form has it.
-    ByOrder,
+    Order,
 }
 
 /// The rings that have a ring inside: which atoms they are, not where.
@@ -156,7 +156,7 @@ pub(super) fn rings(
     let has_kekule = has_kekule(structure, &aromatic, &found, is_drawn);
     rings.shown.resize(structure.bonds().len(), Shown::default());
     for (ring, _) in found.iter().zip(&has_kekule).filter(|(_, has_kekule)| **has_kekule) {
-        ring.bonds.iter().for_each(|&bond| rings.shown[indices[bond as usize] as usize] = Shown::ByOrder);
+        ring.bonds.iter().for_each(|&bond| rings.shown[indices[bond as usize] as usize] = Shown::Order);
     }
     for (ring, _) in found.into_iter().zip(has_kekule).filter(|(_, has_kekule)| !has_kekule) {
         let Some(radii) = radii(&ring.atoms) else { continue };
@@ -167,7 +167,7 @@ pub(super) fn rings(
         }
         let first = ring.bonds.iter().map(|&bond| indices[bond as usize]).min().unwrap_or(0);
         for bond in ring.bonds {
-            rings.shown[indices[bond as usize] as usize] = Shown::ByRing;
+            rings.shown[indices[bond as usize] as usize] = Shown::Ring;
         }
         let color = mean(ring.atoms.iter().map(|&atom| colors[atom as usize]));
         rings.list.push(Ring { atoms: ring.atoms, color, first, radii });
@@ -260,6 +260,7 @@ mod tests {
     use super::*;
     use crate::scene::{Item, Scene, SceneOptions, Style};
     use crate::structure::{AtomRecord, BondSource, Diagnostics, StructureBuilder};
+    use std::f32::consts::FRAC_PI_3;
 
     /// Aromatic carbons.
     fn molecule(points: &[Vec3], pairs: &[(u32, u32)]) -> Structure {
@@ -331,7 +332,7 @@ mod tests {
     #[test]
     fn a_ring_with_a_double_bond_to_the_outside_has_its_kekule_form() {
         // p-Benzoquinone with aromatic bonds in the ring, as dictionaries have pyridones: C=O on atoms 0 and 3.
-        let out = |k: f32, far: f32| Vec3::new((k * 1.0472).cos(), (k * 1.0472).sin(), 0.0) * far;
+        let out = |k: f32, far: f32| Vec3::new((k * FRAC_PI_3).cos(), (k * FRAC_PI_3).sin(), 0.0) * far;
         let mut points: Vec<Vec3> = (0..6).map(|k| out(k as f32, 1.4)).collect();
         points.extend([out(0.0, 2.62), out(3.0, 2.62)]);
         let build = |orders: [BondOrder; 6]| {

@@ -312,10 +312,7 @@ impl Rays {
     /// Hides those of some points that are under the members of a cluster.
     #[inline(always)]
     fn hide_few(&mut self, cluster: &Cluster, axes: &Axes, points: &[u32]) {
-        let (seen, mut squared) = (cluster.seen(axes), [0.0f32; LANES]);
-        for lane in 0..LANES {
-            squared[lane] = cluster.radius[lane] * cluster.radius[lane];
-        }
+        let (seen, squared) = (cluster.seen(axes), cluster.radius.map(|radius| radius * radius));
         for &point in points {
             let at = point as usize;
             let (x, y, height) = (self.x[at], self.y[at], self.height[at]);
