@@ -104,7 +104,7 @@ impl Field {
     }
 
     /// The distance of primitive `index`.
-    fn distance(&self, index: usize, p: Vec3) -> f32 {
+    pub(super) fn distance(&self, index: usize, p: Vec3) -> f32 {
         if !self.copies.is_empty() {
             let (field, own, block_from_world) = self.home(index);
             return field.distance(own, block_from_world.transform_point3(p));
