@@ -358,13 +358,15 @@ impl Solids {
         let id = |local: u32| placement.first_id.saturating_add(local);
         let spheres = block.spheres.par_iter().with_min_len(4096);
         self.spheres.par_extend(spheres.map(|s| Sphere::new(s, &space_from_block)));
-        self.sphere_looks.extend(block.spheres.iter().map(|s| (s.color, id(s.id))));
+        let spheres = block.spheres.par_iter().with_min_len(4096);
+        self.sphere_looks.par_extend(spheres.map(|s| (s.color, id(s.id))));
         let sticks = block.cylinders.par_iter().with_min_len(4096);
-        let sticks: Vec<_> = sticks
-            .filter_map(|c| Some((Cylinder::new(c, &space_from_block)?, (c.color_a, c.color_b, id(c.id)))))
-            .collect();
-        self.cylinders.extend(sticks.iter().map(|(stick, _)| *stick));
-        self.cylinder_looks.extend(sticks.iter().map(|(_, looks)| *looks));
+        let stick = |c: &CylinderInstance| {
+            Cylinder::new(c, &space_from_block).map(|stick| (stick, (c.color_a, c.color_b, id(c.id))))
+        };
+        let (sticks, looks): (Vec<_>, Vec<_>) = sticks.filter_map(stick).unzip();
+        self.cylinders.extend(sticks);
+        self.cylinder_looks.extend(looks);
     }
 
     /// Adds a ball of a placement with this first id.
@@ -467,7 +469,7 @@ impl Solids {
     /// Boxes of all primitives.
     #[must_use]
     pub fn bounds(&self) -> Vec<Aabb> {
-        (0..self.len()).map(|index| self.box_of(index)).collect()
+        (0..self.len()).into_par_iter().with_min_len(4096).map(|index| self.box_of(index)).collect()
     }
 
     /// The box of primitive `index`.
