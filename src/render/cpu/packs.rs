@@ -21,7 +21,6 @@ use crate::render::solids::{Cylinder, Solids, Sphere, Torus, is_see_through};
 use crate::scene::{Block, CylinderInstance, Scene, SphereInstance, TorusInstance};
 use glam::{Affine3A, Vec3, Vec3A};
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Balls, sticks and rings of a pack. Chosen, other numbers were not tried: 32 atoms of a protein with their bonds are some 9 Å wide, and a million
 /// atoms make 32,000 packs.
