@@ -195,7 +195,9 @@ impl FrameConstants {
     /// Whether the ground maps of the two are the same, for one set of primitives.
     #[must_use]
     pub fn same_ground_map(&self, other: &FrameConstants) -> bool {
+        // Where it fades, nothing is asked.
         self.ground == other.ground
+            && self.ground_center[..2] == other.ground_center[..2]
             && self.ground_map == other.ground_map
             && self.ground_map_size == other.ground_map_size
             && self.key_in_world() == other.key_in_world()
