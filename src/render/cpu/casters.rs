@@ -109,8 +109,8 @@ impl Sight {
     #[inline(always)]
     pub(super) fn walk(&self, tube: u32, at: &Places, free: &mut u32, exactly: impl Fn(u32, &mut u32)) {
         let mut heights = [0.0f32; LANES];
-        for lane in 0..LANES {
-            heights[lane] = if *free >> lane & 1 != 0 { at.height[lane] } else { f32::INFINITY };
+        for (lane, height) in heights.iter_mut().enumerate() {
+            *height = if *free >> lane & 1 != 0 { at.height[lane] } else { f32::INFINITY };
         }
         let low = low_of(&heights);
         for &index in self.tubes.of(tube as usize) {

@@ -86,8 +86,8 @@ fn open(field: &Field, frame: &FrameConstants, p: &[Lanes; 2]) -> Lanes {
         above.distance = above.distance.map(|bound| min(height, 1.001 * (bound + (height - below))));
         (above.y, below) = (frame.ground[0] + height, height);
         widest(Walk(field, &mut above));
-        for lane in 0..LANES {
-            closed[lane] += (height - above.distance[lane]) / height;
+        for (closed, distance) in closed.iter_mut().zip(above.distance) {
+            *closed += (height - distance) / height;
         }
     }
     closed.map(|closed| 1.0 - closed / OCCLUSION_TAPS.len() as f32)
@@ -270,12 +270,12 @@ impl Asks for Above<'_> {
         let Aabb { min: low, max: high } = self.field.hierarchy().boxes[number];
         let up = max(max(low.y - self.y, self.y - high.y), 0.0);
         let (mut any, mut least) = (0, [f32::INFINITY; LANES]);
-        for lane in 0..LANES {
+        for (lane, least) in least.iter_mut().enumerate() {
             let x = max(max(low.x - self.p[0][lane], self.p[0][lane] - high.x), 0.0);
             let z = max(max(low.z - self.p[1][lane], self.p[1][lane] - high.z), 0.0);
             let squared = x * x + up * up + z * z;
             any |= u32::from(squared < self.distance[lane] * self.distance[lane]);
-            least[lane] = squared;
+            *least = squared;
         }
         (any != 0).then(|| low_of(&least))
     }
