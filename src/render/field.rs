@@ -313,7 +313,7 @@ impl Field {
 
     /// The least light that anything in a box of its hierarchy lets through, before it is eased.
     #[inline(always)]
-    pub(super) fn least_light_in(&self, number: usize) -> f32 {
+    fn least_light_in(&self, number: usize) -> f32 {
         self.highest.get(number).map_or(0.0, |&opacity| LEAST_LIGHT[usize::from(opacity)])
     }
 

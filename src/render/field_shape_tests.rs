@@ -5,9 +5,9 @@ use super::*;
 use crate::color::Srgb8;
 use crate::render::cpu::intersect::primitive_t;
 use crate::render::settings::{Settings, View};
-use crate::render::test_shapes::Random;
+use crate::render::test_shapes::{Random, camera};
 use crate::render::test_solids::{Body, Drawn, random_drawn};
-use crate::scene::{Block, Camera, ConeInstance, Placement, Projection, Ray, TorusInstance, TriangleInstance};
+use crate::scene::{Block, ConeInstance, Placement, Projection, Ray, TorusInstance, TriangleInstance};
 use glam::{DVec3, Quat};
 
 /// `count` of each in a cube of 20 Å.
@@ -111,15 +111,7 @@ fn at_every_hit_the_field_is_zero_and_names_the_primitive() {
 
 /// The constants of a scene seen from the front.
 fn looked_at(scene: &Scene) -> FrameConstants {
-    let camera = Camera {
-        eye: Vec3::new(0.0, 0.0, 100.0),
-        world_from_view: Quat::IDENTITY,
-        projection: Projection::Orthographic { height: 20.0 },
-        near: 0.1,
-        far: 200.0,
-        target: Vec3::ZERO,
-        shift: [0.0; 2],
-    };
+    let camera = camera(Quat::IDENTITY, Projection::Orthographic { height: 20.0 });
     FrameConstants::new(scene, &View::new(camera, 100, 100), &Settings::default())
 }
 

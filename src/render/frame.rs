@@ -448,6 +448,24 @@ mod tests {
     }
 
     #[test]
+    fn a_ground_that_fades_elsewhere_has_another_map() {
+        let mut scene = row(10.0);
+        scene.set_ground(true);
+        let before = frame_of(&scene, Quat::IDENTITY);
+        assert!(before.same_ground_map(&before));
+        if let Some(ground) = &mut scene.ground {
+            // Too far for the map to end there, both times.
+            (ground.fade_end, ground.center_xz) = (1e4, [0.0; 2]);
+        }
+        let before = frame_of(&scene, Quat::IDENTITY);
+        if let Some(ground) = &mut scene.ground {
+            ground.center_xz[0] += 1.0;
+        }
+        let after = frame_of(&scene, Quat::IDENTITY);
+        assert!(before.ground_map == after.ground_map && !before.same_ground_map(&after));
+    }
+
+    #[test]
     fn lights_turn_with_the_camera_or_stay_with_the_molecule() {
         let turn = Quat::from_rotation_y(1.0);
         let mut scene = row(10.0);

@@ -17,7 +17,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Atoms or bonds that are drawn in one go. Chosen: thousands of runs for a million.
+/// Atoms or bonds that are drawn in one go. Chosen: 250 runs for a million.
 const RUN: usize = 4096;
 
 /// All of a structure's balls and sticks that its positions do not decide: which atoms are drawn, their radii and colours, who is bonded to whom, the rings.

@@ -21,8 +21,7 @@ const SIDE: usize = 4;
 /// [`Field::ground_map`].
 pub(super) fn ground_map(field: &Field, frame: &FrameConstants) -> GroundMap {
     let Some(way) = way(field, frame, 0.0) else { return field.ground_map(frame) };
-    let open = |p: &[Lanes; 2]| open(field, frame, p);
-    map_of(frame, |p| [light(field, way, p), open(p)])
+    map_of(frame, |p| [light(field, way, p), open(field, frame, p)])
 }
 
 /// [`Field::quick_ground_map`], for pictures in motion: the open sky is interpolated from a map of it.
@@ -187,11 +186,7 @@ impl Ways<'_> {
 impl Asks for Ways<'_> {
     #[inline(always)]
     fn nearest_to(&self, number: usize) -> Option<f32> {
-        let (b, least) = (&self.field.hierarchy().boxes[number], self.field.least_light_in(number));
-        // What is see-through there leaves more than there is left anywhere.
-        if least > 0.0 && !self.light.iter().any(|&light| least < light - self.way.slack) {
-            return None;
-        }
+        let b = &self.field.hierarchy().boxes[number];
         let (center, radius) = ((b.min + b.max) * 0.5, (b.max - b.min).length() * 0.5);
         self.nearest_ball(center, radius)
     }
@@ -347,12 +342,11 @@ mod tests {
     use super::*;
     use crate::color::Srgb8;
     use crate::render::settings::{Settings, View};
-    use crate::render::test_shapes::Random;
+    use crate::render::test_shapes::{Random, camera_around};
     use crate::scene::{
-        Block, Camera, ConeInstance, CylinderInstance, Placement, Projection, Scene, SphereInstance, TorusInstance,
-        TriangleInstance,
+        Block, ConeInstance, CylinderInstance, Placement, Scene, SphereInstance, TorusInstance, TriangleInstance,
     };
-    use glam::{Affine3A, Quat};
+    use glam::Affine3A;
 
     /// Many of every kind, `opacity` 0–255.
     fn scene(opacity: u8) -> Scene {
@@ -425,18 +419,8 @@ mod tests {
         turn: f32,
         ground_texels: u32,
     ) -> (FrameConstants, (FrameConstants, GroundMap)) {
-        let world_from_view = Quat::from_rotation_y(turn) * Quat::from_rotation_x(-0.2);
-        let camera = Camera {
-            eye: world_from_view * Vec3::new(0.0, 0.0, 100.0),
-            world_from_view,
-            projection: Projection::Perspective { fov_y_rad: 0.5 },
-            near: 0.1,
-            far: 300.0,
-            target: Vec3::ZERO,
-            shift: [0.0; 2],
-        };
         let settings = Settings { ground_texels, ..Settings::default() };
-        let view = View::new(camera, 64, 64);
+        let view = View::new(camera_around(turn), 64, 64);
         let frame = FrameConstants::new(scene, &view, &settings);
         let above = frame.lit_from_above(scene, &view, &settings);
         (frame, (above, field.sky_map(&above)))
@@ -482,14 +466,12 @@ mod tests {
                     .any(|dx| [-step, 0.0, step].iter().any(|dz| ground_fade(&frame, x + dx, z + dz) > 0.0));
                 shaded += u32::from(exact[0] < 0.9);
                 closed += u32::from(exact[1] < 0.9);
-                if is_near {
-                    assert!((own[0] - exact[0]).abs() < 1e-4 && (own[1] - exact[1]).abs() < 1e-4, "{own:?} {exact:?}");
-                } else {
-                    faded += 1;
-                }
+                let is_same = (own[0] - exact[0]).abs() < 1e-4 && (own[1] - exact[1]).abs() < 1e-4;
+                assert!(is_same || !is_near && *own == [1.0, 1.0], "{own:?} {exact:?}");
+                faded += u32::from(!is_same);
             }
         }
-        assert!(shaded > 200 && closed > 200 && faded > 50, "{shaded} {closed} {faded}");
+        assert!(shaded > 200 && closed > 200 && faded > 0, "{shaded} {closed} {faded}");
     }
 
     #[test]
