@@ -14,6 +14,7 @@ struct FrameConstants {
     ambient: vec4<f32>,
     background: vec4<f32>,
     depth: vec4<f32>,
+    fog: vec4<f32>,
     ground_color: vec4<f32>,
     ground: vec4<f32>,
     ground_center: vec4<f32>,

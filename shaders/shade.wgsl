@@ -14,9 +14,14 @@ struct VisibleSurface {
     albedo: vec3<f32>,
 }
 
-fn shade_surface(point: VisibleSurface, reach: Reach, direction: vec3<f32>) -> vec3<f32> {
+fn into_fog(position: vec3<f32>) -> f32 {
+    let fog = frame.fog;
+    return clamp(fog.x * position.x + fog.y * position.y + (fog.z * position.z + fog.w), 0.0, 1.0);
+}
+
+fn shade_surface(point: VisibleSurface, reach: Reach, ray: Ray) -> vec3<f32> {
     let n = point.normal;
-    let to_eye = -direction * (1.0 / sqrt(dot(direction, direction)));
+    let to_eye = -ray.direction * (1.0 / sqrt(dot(ray.direction, ray.direction)));
     let key = frame.key.xyz;
     let seen = reach.open * (1.0 - frame.sky.w + frame.sky.w * reach.open);
     let open = frame.sky.x + (1.0 - frame.sky.x) * seen;
@@ -35,13 +40,13 @@ fn shade_surface(point: VisibleSurface, reach: Reach, direction: vec3<f32>) -> v
     let aside = 1.0 - clamp(dot(n, to_eye), 0.0, 1.0);
     let rim = 1.0 - frame.key_in_world.w * aside * aside;
     let color = point.albedo * ((ambient + (key_light + fill_light)) * rim) + highlight;
-    let behind = clamp((point.depth - frame.depth.x) * frame.depth.y, 0.0, 1.0);
+    let behind = into_fog(ray.origin + ray.direction * point.depth);
     let fog = frame.background.w * behind * behind;
     return color + (frame.background.xyz - color) * fog;
 }
 
-fn shade_outline(depth: f32) -> vec3<f32> {
-    let behind = clamp((depth - frame.depth.x) * frame.depth.y, 0.0, 1.0);
+fn shade_outline(position: vec3<f32>) -> vec3<f32> {
+    let behind = into_fog(position);
     let fog = frame.background.w * behind * behind;
     return frame.outline_color.xyz + (frame.background.xyz - frame.outline_color.xyz) * fog;
 }

@@ -34,7 +34,7 @@ fn fs_shade(@builtin(position) fragment: vec4<f32>) -> @location(0) vec4<u32> {
         if (texel.w >> 30u) == (RIM >> 30u) {
             // The ground hides a line where it hides the silhouette.
             if is_before_ground(bitcast<f32>(texel.z), ray) {
-                sum += vec4<f32>(shade_outline(t), 1.0);
+                sum += vec4<f32>(shade_outline(ray.origin + ray.direction * t), 1.0);
             }
         } else if is_before_ground(t, ray) {
             let seen = VisibleSurface(t, unpack_normal(texel.z), unpack_color(texel.w));
@@ -42,7 +42,7 @@ fn fs_shade(@builtin(position) fragment: vec4<f32>) -> @location(0) vec4<u32> {
             if asks_light {
                 reach = reach_of(ray, t, seen.normal);
             }
-            sum += vec4<f32>(shade_surface(seen, reach, ray.direction), 1.0);
+            sum += vec4<f32>(shade_surface(seen, reach, ray), 1.0);
         }
     }
     return bitcast<vec4<u32>>(sum);

@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::import::Document;
 use crate::render::{Hit, Picker, View};
 use crate::scene::{Item, Rig, Scene, SceneOptions};
+use crate::stop::Stop;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Tells the window that there is something for it; called from other threads.
@@ -170,6 +171,17 @@ pub(super) struct Maker {
 impl Maker {
     /// What is drawn of a frame.
     pub(super) fn drawn(&self, document: &Arc<Document>, frame: usize, crystal: &CrystalOptions) -> Result<Arc<Drawn>> {
+        self.drawn_unless(document, frame, crystal, &Stop::never())
+    }
+
+    /// The same unless it is given up.
+    pub(super) fn drawn_unless(
+        &self,
+        document: &Arc<Document>,
+        frame: usize,
+        crystal: &CrystalOptions,
+        stop: &Stop,
+    ) -> Result<Arc<Drawn>> {
         let mut kept = lock(&self.kept);
         let is_it = |one: &Kept| Arc::ptr_eq(&one.document, document) && one.frame == frame && one.crystal == *crystal;
         if let Some(index) = kept.iter().position(is_it) {
@@ -181,9 +193,9 @@ impl Maker {
         drop(kept);
         let is_trajectory = !document.trajectories.is_empty();
         let drawn = if document.has_frames() && crystal.bonds_per_frame.is_fixed(is_trajectory) {
-            self.drawn_fixed(document, frame, crystal)?
+            self.drawn_fixed(document, frame, crystal, stop)?
         } else {
-            crystal::draw(document.at_frame(frame)?, crystal)?
+            crystal::draw_unless(document.at_frame(frame)?, crystal, stop)?
         };
         let drawn = Arc::new(drawn);
         let mut kept = lock(&self.kept);
@@ -205,17 +217,29 @@ impl Maker {
     }
 
     /// What is drawn of a frame with the bonds of another one.
-    fn drawn_fixed(&self, document: &Arc<Document>, frame: usize, crystal: &CrystalOptions) -> Result<Drawn> {
+    fn drawn_fixed(
+        &self,
+        document: &Arc<Document>,
+        frame: usize,
+        crystal: &CrystalOptions,
+        stop: &Stop,
+    ) -> Result<Drawn> {
         if !document.trajectories.is_empty() {
             let frame = self.ahead.frame(document, frame)?;
-            return self.fixed(document, 0, crystal)?.draw((*frame).clone());
+            return self.fixed(document, 0, crystal, stop)?.draw((*frame).clone());
         }
         let (record, frame) = document.frame(frame).ok_or_else(|| document.missing(frame))?;
         let frame = document.records[record].frames()[frame].clone();
-        self.fixed(document, record, crystal)?.draw(frame)
+        self.fixed(document, record, crystal, stop)?.draw(frame)
     }
 
-    fn fixed(&self, document: &Arc<Document>, record: usize, crystal: &CrystalOptions) -> Result<Arc<Fixed>> {
+    fn fixed(
+        &self,
+        document: &Arc<Document>,
+        record: usize,
+        crystal: &CrystalOptions,
+        stop: &Stop,
+    ) -> Result<Arc<Fixed>> {
         let is_it =
             |one: &&KeptFixed| Arc::ptr_eq(&one.document, document) && one.record == record && one.crystal == *crystal;
         if let Some(one) = lock(&self.fixed).iter().find(is_it) {
@@ -223,7 +247,7 @@ impl Maker {
         }
         let first = document.records.get(record).and_then(|structure| structure.at_frame(0));
         let first = first.ok_or_else(|| document.missing(0))?;
-        let fixed = Arc::new(Fixed::new(first, crystal));
+        let fixed = Arc::new(Fixed::new_unless(first, crystal, stop)?);
         let mut all = lock(&self.fixed);
         // Files with other settings, and of other records, are few and far between.
         if all.len() >= MOST_FIXED {

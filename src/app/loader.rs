@@ -8,8 +8,9 @@ use crate::error::{Error, Result};
 use crate::import::{Document, ImportOptions, trajectory};
 use crate::scene::SceneOptions;
 use crate::session::samples;
+use crate::stop::Stop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -40,7 +41,7 @@ pub(super) struct Load {
     /// The layer in whose place it comes, with the frame that was shown.
     pub(super) replaces: Option<u32>,
     stage: Arc<AtomicU8>,
-    cancelled: Arc<AtomicBool>,
+    stop: Stop,
 }
 
 impl Load {
@@ -87,7 +88,7 @@ impl Loader {
         replaces: Option<u32>,
         preview: Option<SceneOptions>,
     ) {
-        let (stage, cancelled) = (Arc::new(AtomicU8::new(0)), Arc::new(AtomicBool::new(false)));
+        let (stage, stop) = (Arc::new(AtomicU8::new(0)), Stop::new());
         let id = self.next;
         self.next += 1;
         let load = Load {
@@ -96,7 +97,7 @@ impl Loader {
             started: Instant::now(),
             replaces,
             stage: Arc::clone(&stage),
-            cancelled: Arc::clone(&cancelled),
+            stop: stop.clone(),
         };
         let (maker, wake, sender) = (Arc::clone(&self.maker), Arc::clone(&self.wake), self.sender.clone());
         let (problems, previews) = (Arc::clone(&self.problems), self.previews.0.clone());
@@ -110,11 +111,13 @@ impl Loader {
                 let _ = previews.send(preview);
                 wake();
             }
-            let result = guarded(|| read(&source, &crystal, &maker, &stage, &cancelled));
+            let result = guarded(|| read(&source, &crystal, &maker, &stage, &stop));
             stage.store(Stage::Done as u8, Ordering::Relaxed);
-            if let (Ok(document), true) = (&result, cancelled.load(Ordering::Relaxed)) {
+            if stop.is_set() {
                 // Freeing it may take a while, and nobody waits for this thread.
-                maker.forget(|other| !Arc::ptr_eq(other, document));
+                if let Ok(document) = &result {
+                    maker.forget(|other| !Arc::ptr_eq(other, document));
+                }
                 return;
             }
             let document = result.as_ref().ok().map(Arc::clone);
@@ -139,10 +142,10 @@ impl Loader {
         &self.under_way
     }
 
-    /// Gives up all that is being read. What a reader is in the middle of it finishes; nobody sees it.
+    /// Gives up all that is being read: readers and the search for bonds end soon, and nobody sees what they had.
     pub(super) fn cancel(&mut self) {
         for load in self.under_way.drain(..) {
-            load.cancelled.store(true, Ordering::Relaxed);
+            load.stop.set();
         }
     }
 
@@ -200,18 +203,16 @@ fn read(
     crystal: &CrystalOptions,
     maker: &Maker,
     stage: &AtomicU8,
-    cancelled: &AtomicBool,
+    stop: &Stop,
 ) -> Result<Arc<Document>> {
-    let options = ImportOptions::default();
+    let options = ImportOptions { stop: stop.clone(), ..ImportOptions::default() };
     let document = match source {
         Source::File(input) => trajectory::read_input(input, &options)?,
         Source::Sample(_) => samples::read(&source.named(), &options)?,
     };
     let document = Arc::new(document);
-    if !cancelled.load(Ordering::Relaxed) {
-        stage.store(Stage::Bonds as u8, Ordering::Relaxed);
-        maker.drawn(&document, 0, crystal)?;
-    }
+    stage.store(Stage::Bonds as u8, Ordering::Relaxed);
+    maker.drawn_unless(&document, 0, crystal, stop)?;
     Ok(document)
 }
 

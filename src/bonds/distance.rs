@@ -69,7 +69,8 @@ pub(super) fn find(
         let of_part = |bonds: &[Bond], end: usize| bonds.partition_point(|bond| (bond.a as usize) < end);
         let settled = &settled[of_part(settled, part.start)..of_part(settled, part.end)];
         let settled = settled.iter().map(|&bond| parts::renumbered(bond, |atom| atom - first)).collect();
-        let mut bonds = settle(&elements[part.clone()], &positions[part.clone()], settled, found, &sites.from(part.start));
+        let mut bonds =
+            settle(&elements[part.clone()], &positions[part.clone()], settled, found, &sites.from(part.start));
         for bond in &mut bonds {
             *bond = parts::renumbered(*bond, |atom| atom + first);
         }
@@ -115,9 +116,8 @@ fn settle(
     for atom in found.iter().flat_map(|contact| [contact.a, contact.b]) {
         has_contact[atom as usize] = true;
     }
-    let matters = |bond: &&Bond| {
-        bond.kind != BondKind::Hydrogen && (has_contact[bond.a as usize] || has_contact[bond.b as usize])
-    };
+    let matters =
+        |bond: &Bond| bond.kind != BondKind::Hydrogen && (has_contact[bond.a as usize] || has_contact[bond.b as usize]);
     let settled: Vec<Bond> = settled.into_iter().filter(matters).collect();
     let mut contacts = Contacts::new(elements, &settled, found);
     hydrogen::settle(&mut contacts, elements, sites);

@@ -56,7 +56,7 @@ mod tests;
 
 pub use explain::{Explained, NotBonded, explain, length, not_bonded, order_in_words, source_in_words};
 pub use orders::aromatic_rings;
-pub(crate) use orders::small_rings;
+pub(crate) use orders::{Ring, small_rings};
 pub(crate) use residues::{atoms_of as residue_atoms, standard_name};
 pub use sites::waters;
 
@@ -152,7 +152,7 @@ fn find_all(structure: &Structure, frame: usize, options: &BondOptions) -> (Vec<
         Some(whole) => {
             let found = find_listed(&whole, 0, options, &Stop::never()).0;
             (among_first(found, structure.atom_count()), Known::default())
-        },
+        }
         None => find_listed(structure, frame, options, &Stop::never()),
     }
 }
@@ -235,7 +235,8 @@ fn described(
 ) -> (Vec<Bond>, Known) {
     let stated = stated.into_iter().map(|bond| with_kind(bond, structure)).collect();
     let mut known = residues::find(structure, positions, with_dictionary, stop);
-    let links = if with_dictionary && !stop.is_set() { links::find(structure, positions, &mut known) } else { Vec::new() };
+    let links =
+        if with_dictionary && !stop.is_set() { links::find(structure, positions, &mut known) } else { Vec::new() };
     let inside = std::mem::take(&mut known.bonds);
     (settle(stated, inside, links, &mut known), known)
 }
@@ -258,7 +259,7 @@ pub fn assign_unless(structure: Structure, options: &BondOptions, stop: &Stop) -
 }
 
 /// The same; if it is given up, with some of the bonds.
-fn assign_until(structure: Structure, options: &BondOptions, stop: &Stop) -> Structure {
+pub(crate) fn assign_until(structure: Structure, options: &BondOptions, stop: &Stop) -> Structure {
     let count = structure.atom_count();
     let whole = whole_cell(&structure, 0, options);
     let surroundings = whole.as_ref().unwrap_or(&structure);

@@ -60,7 +60,13 @@ pub(super) fn renumbered(bond: Bond, number: impl Fn(u32) -> u32) -> Bond {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::structure::{BondOrder, BondSource};
+    use crate::bonds::{BondOptions, assign, assign_unless};
+    use crate::error::Error;
+    use crate::import::{ImportOptions, read_path};
+    use crate::stop::Stop;
+    use crate::structure::{AtomRecord, BondOrder, BondSource, Diagnostics, Structure, StructureBuilder};
+    use glam::DVec3;
+    use std::path::Path;
 
     #[test]
     fn parts_are_cut_where_nothing_joins() {
@@ -83,5 +89,78 @@ mod tests {
         assert_eq!(of_bonds(atoms, &bonds), want);
         let turned = bonds.iter().rev().copied().collect::<Vec<_>>();
         assert_eq!(of_bonds(atoms, &turned), vec![(0..atoms, 0..4)]);
+    }
+
+    /// Copies of molecules of `data/` side by side, without their bonds: all atoms of a copy after each other, or of all copies in turn.
+    fn copies(names: &[&str], count: usize, in_turn: bool) -> Structure {
+        let mut atoms = Vec::new();
+        for name in names {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(name);
+            let document = read_path(&path, &ImportOptions::default()).unwrap();
+            let molecule = document.at_frame(0).unwrap();
+            let shift = DVec3::Y * 40.0 * atoms.len() as f64;
+            atoms.extend(
+                (0..molecule.atom_count())
+                    .map(|atom| (molecule.elements()[atom], molecule.positions().get(atom) + shift)),
+            );
+        }
+        let mut builder = StructureBuilder::new();
+        for index in 0..count * atoms.len() {
+            let (copy, atom) = match in_turn {
+                true => (index % count, index / count),
+                false => (index / atoms.len(), index % atoms.len()),
+            };
+            let (element, position) = atoms[atom];
+            let shift = DVec3::new((copy % 64) as f64, 0.0, (copy / 64) as f64) * 20.0;
+            builder.push_atom(&AtomRecord { element, position: position + shift, ..AtomRecord::default() });
+        }
+        builder.build(&mut Diagnostics::default())
+    }
+
+    /// Without the orders of aromatic bonds: of two Kekulé forms that are as good as each other either may be found.
+    fn certain(bonds: &[Bond]) -> Vec<Bond> {
+        let order = |bond: &Bond| if bond.aromatic { BondOrder::Single } else { bond.order };
+        bonds.iter().map(|bond| Bond { order: order(bond), ..*bond }).collect()
+    }
+
+    #[test]
+    fn a_molecule_has_the_same_bonds_alone_and_in_a_part_of_many() {
+        let names = ["caffeine.sdf", "ferrocene.xyz", "aspirin.sdf"];
+        let one = assign(copies(&names, 1, false), &BondOptions::default());
+        let size = one.atom_count();
+        let count = 2 * LEAST / size + 2;
+        let split = assign(copies(&names, count, false), &BondOptions::default());
+        let of = |bonds: &[Bond]| super::of_bonds(count * size, bonds).len();
+        assert!(of(split.bonds()) > 1, "there is more than one part");
+        let (one, all) = (certain(one.bonds()), certain(split.bonds()));
+        assert_eq!(all.len(), count * one.len());
+        for (copy, bonds) in all.chunks(one.len()).enumerate() {
+            let want: Vec<Bond> =
+                one.iter().map(|&bond| renumbered(bond, |atom| atom + (copy * size) as u32)).collect();
+            assert_eq!(bonds, want);
+        }
+        // Where the copies of a molecule are listed in turn, no part ends among them.
+        let mixed = assign(copies(&names, count, true), &BondOptions::default());
+        let apart = |bond: &Bond| renumbered(*bond, |atom| atom % count as u32 * size as u32 + atom / count as u32);
+        let mut bonds: Vec<Bond> = certain(mixed.bonds()).iter().map(apart).collect();
+        bonds.sort_by_key(|bond| (bond.a, bond.b));
+        assert_eq!(bonds, all);
+    }
+
+    #[test]
+    fn the_search_can_be_given_up_at_any_question() {
+        let names = ["caffeine.sdf", "ferrocene.xyz", "aspirin.sdf"];
+        let structure = copies(&names, 2 * LEAST / 66 + 2, false);
+        let asked = Stop::at_question(usize::MAX);
+        let found = assign_unless(structure.clone(), &BondOptions::default(), &asked).unwrap();
+        assert_eq!(found.bonds(), assign(structure.clone(), &BondOptions::default()).bonds());
+        let questions = asked.questions();
+        assert!(questions > 1000, "{questions}");
+        for question in [1, 2, questions / 3, questions / 2, questions - 1, questions] {
+            let stop = Stop::at_question(question);
+            let result = assign_unless(structure.clone(), &BondOptions::default(), &stop);
+            assert!(matches!(result, Err(Error::Stopped)), "question {question}");
+            assert_eq!(stop.handles(), 1);
+        }
     }
 }

@@ -243,7 +243,8 @@ pub struct LookArgs {
     #[arg(long, value_name = "KIND", default_value = "perspective", help_heading = "Look")]
     pub projection: ProjectionArg,
     /// Keep the file's axes and look along x,y,z, or at the front, back, left, right, top or bottom (front looks
-    /// along -z with y up) [default: longest axis across, thinnest to the viewer]
+    /// along -z with y up) [default: longest axis across, thinnest to the viewer; small
+    /// molecules whose atoms would hide one another a little aside]
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, conflicts_with = "axis", help_heading = "Look")]
     pub view: Option<Direction>,
     /// Look down the lattice direction UVW, which points to the viewer: 111, 1-10 or 1,-1,0; needs a unit cell
@@ -514,7 +515,7 @@ pub enum LightArg {
 /// `--aromatic`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum AromaticArg {
-    /// Single sticks and a thin ring inside each flat ring
+    /// Single sticks and a thin ring inside each flat ring; single and double bonds where a C=O leaves it, and in fullerenes
     Ring,
     /// A stick and a dashed one inside the ring
     Dashes,

@@ -89,14 +89,30 @@ pub struct Fixed {
 
 impl Fixed {
     /// Finds the bonds in the structure's first frame, in which the symmetry of a crystal counts; frames have none.
+    #[must_use]
+    pub fn new(structure: Structure, options: &CrystalOptions) -> Fixed {
+        Fixed::of(structure, options, |structure, bonds| bonds::assign(structure, &bonds))
+    }
+
+    /// The same unless it is given up.
     ///
     /// # Errors
-    /// [`Error::Stopped`] if it is given up.
+    /// [`Error::Stopped`].
     pub fn new_unless(structure: Structure, options: &CrystalOptions, stop: &Stop) -> Result<Fixed> {
+        let fixed = Fixed::of(structure, options, |structure, bonds| bonds::assign_until(structure, &bonds, stop));
+        stop.check()?;
+        Ok(fixed)
+    }
+
+    fn of(
+        structure: Structure,
+        options: &CrystalOptions,
+        assign: impl FnOnce(Structure, BondOptions) -> Structure,
+    ) -> Fixed {
         // One that is too large is drawn as listed: there is no frame of it that could be drawn.
         let copies = super::assembly(&structure, options).ok().flatten();
         let once = BondOptions { hydrogen_bonds: false, ..options.bonds };
-        let structure = bonds::assign_unless(structure, &once, stop)?.without_symmetry();
+        let structure = assign(structure, once).without_symmetry();
         let mut vectors = Vec::new();
         if let Some(cell) = structure.lattice(0) {
             let at = fractional_positions(&structure, cell);
@@ -112,7 +128,7 @@ impl Fixed {
         /// The last number that was given.
         static LAST: AtomicU64 = AtomicU64::new(0);
         let kind = LAST.fetch_add(1, Ordering::Relaxed) + 1;
-        Ok(Fixed { kind, structure, options: *options, vectors, branches, is_endless, lattice, copies })
+        Fixed { kind, structure, options: *options, vectors, branches, is_endless, lattice, copies }
     }
 
     /// What is drawn of a frame.

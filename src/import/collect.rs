@@ -1,7 +1,7 @@
 //! Records as they are read, and which of them are frames of one molecule.
 
-use super::{Document, Format, Limits};
 use super::text::Lines;
+use super::{Document, Format, Limits};
 use crate::error::{Error, Result};
 use crate::stop::Stop;
 use crate::structure::{Diagnostics, Structure};

@@ -492,6 +492,9 @@ fn too_large(limit: u64) -> Error {
 }
 
 #[cfg(test)]
+mod stop_tests;
+
+#[cfg(test)]
 mod tests {
     use super::*;
 

@@ -17,13 +17,16 @@ use crate::math::{Aabb, whole};
 use crate::scene::Scene;
 use glam::{Affine3A, Vec2, Vec3};
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// The distance field of a scene, world space, or that of a block in its own.
 #[derive(Debug)]
 pub struct Field {
     solids: Solids,
     hierarchy: Hierarchy,
+    /// The highest opacity in each box of the hierarchy; empty where nothing is see-through. No more than its share of the light is taken
+    /// away there: without that a ray through thousands of triangles asks them all.
+    highest: Vec<u8>,
     /// In place of primitives of its own, those of blocks that are placed many times.
     copies: Standings,
 }
@@ -73,7 +76,11 @@ impl Field {
 
     fn of_solids(solids: Solids) -> Field {
         let hierarchy = Hierarchy::new(&solids.bounds());
-        Field { solids, hierarchy, copies: Standings::default() }
+        let highest = match solids.see_through {
+            true => hierarchy.highest(|index| solids.opacity(index as usize)),
+            false => Vec::new(),
+        };
+        Field { solids, hierarchy, highest, copies: Standings::default() }
     }
 
     /// The primitives, world space.
@@ -97,7 +104,7 @@ impl Field {
     }
 
     /// The distance of primitive `index`.
-    fn distance(&self, index: usize, p: Vec3) -> f32 {
+    pub(super) fn distance(&self, index: usize, p: Vec3) -> f32 {
         if !self.copies.is_empty() {
             let (field, own, block_from_world) = self.home(index);
             return field.distance(own, block_from_world.transform_point3(p));
@@ -177,7 +184,7 @@ impl Field {
     /// than `limit` are asked: `(limit, None)` where there is none.
     #[must_use]
     pub fn map(&self, p: Vec3, limit: f32) -> (f32, Option<u32>) {
-        self.nearest(p, (limit, None), |_, distance| distance)
+        self.nearest(p, (limit, None), None)
     }
 
     /// The distance at a point so high above the ground, as far as it shades the ground: what is see-through is farther away. `near` is a
@@ -185,16 +192,16 @@ impl Field {
     fn over_ground(&self, p: Vec3, height: f32, limit: f32, near: &mut Option<u32>) -> f32 {
         let of = |index: usize, distance: f32| dimmed_distance(distance, height, self.opacity(index));
         let known = near.map(|near| (of(near as usize, self.distance(near as usize, p)), Some(near)));
-        let (distance, found) = self.nearest(p, known.filter(|known| known.0 < limit).unwrap_or((limit, None)), of);
+        let known = known.filter(|known| known.0 < limit).unwrap_or((limit, None));
+        let (distance, found) = self.nearest(p, known, Some(height));
         *near = found.or(*near);
         distance
     }
 
-    /// The smallest of what `of` makes of the primitives' distances, and the primitive, if it is less than what is known; it must not make
-    /// less of them, nor of what is nearer than that more.
-    fn nearest(&self, p: Vec3, known: (f32, Option<u32>), of: impl Fn(usize, f32) -> f32) -> (f32, Option<u32>) {
+    /// The smallest of the primitives' distances, at so high above the ground dimmed, and the primitive, if it is less than what is known.
+    fn nearest(&self, p: Vec3, known: (f32, Option<u32>), height: Option<f32>) -> (f32, Option<u32>) {
         if self.copies.is_empty() {
-            return self.nearest_own(p, known, of);
+            return self.nearest_own(p, known, height);
         }
         let mut best = known;
         self.copies.hierarchy.visit(
@@ -202,8 +209,8 @@ impl Field {
             |best, b: &Aabb| Some(b.distance(p)).filter(|&d| d < best.0 || d == 0.0),
             |best, number| {
                 let Standing { field, block_from_world, first } = &self.copies.standings[number as usize];
-                let of = |own: usize, distance: f32| of(*first as usize + own, distance);
-                let (distance, found) = field.nearest_own(block_from_world.transform_point3(p), (best.0, None), of);
+                let p = block_from_world.transform_point3(p);
+                let (distance, found) = field.nearest_own(p, (best.0, None), height);
                 *best = found.map_or(*best, |own| (distance, Some(first + own)));
             },
         );
@@ -211,12 +218,17 @@ impl Field {
     }
 
     /// As [`Field::nearest`], among its own primitives.
-    fn nearest_own(&self, p: Vec3, known: (f32, Option<u32>), of: impl Fn(usize, f32) -> f32) -> (f32, Option<u32>) {
+    fn nearest_own(&self, p: Vec3, known: (f32, Option<u32>), height: Option<f32>) -> (f32, Option<u32>) {
+        let dimmed = |distance: f32, opacity: u8| height.map_or(distance, |h| dimmed_distance(distance, h, opacity));
         let mut best = known;
-        self.hierarchy.visit(
+        self.hierarchy.visit_numbered(
             &mut best,
-            // Inside a box the distance to what it holds may be negative: it is always entered.
-            |best, b: &Aabb| Some(b.distance(p)).filter(|&d| d < best.0 || d == 0.0),
+            |best, number, b: &Aabb| {
+                let (distance, opacity) = (b.distance(p), self.highest_in(number));
+                // Inside a box the distance to what it holds may be negative, unless it is dimmed: it is always entered.
+                let is_open = distance == 0.0 && (height.is_none() || opacity == u8::MAX);
+                (is_open || dimmed(distance, opacity) < best.0).then_some(distance)
+            },
             |best, index| {
                 let i = index as usize;
                 if self.is_slow(i) {
@@ -225,7 +237,7 @@ impl Field {
                         return;
                     }
                 }
-                let distance = of(i, self.distance(i, p));
+                let distance = dimmed(self.distance(i, p), self.opacity(i));
                 if distance < best.0 {
                     *best = (distance, Some(index));
                 }
@@ -284,11 +296,25 @@ impl Field {
 
     /// The least light that its own primitives let through on the way to the light, and the primitive, if it is less than what is known.
     fn darken(&self, way: &Way, darkest: &mut (f32, Option<u32>)) {
-        self.hierarchy.visit(
+        self.hierarchy.visit_numbered(
             darkest,
-            |&(visible, _), b: &Aabb| way.may_darken(b, visible),
+            |&(visible, _), number, b: &Aabb| {
+                way.may_darken(b, visible).filter(|_| self.least_light_in(number) < visible - way.slack)
+            },
             |darkest, index| self.darken_by(way, index, darkest),
         );
+    }
+
+    /// The highest opacity in a box of its hierarchy.
+    #[inline(always)]
+    fn highest_in(&self, number: usize) -> u8 {
+        self.highest.get(number).copied().unwrap_or(u8::MAX)
+    }
+
+    /// The least light that anything in a box of its hierarchy lets through, before it is eased.
+    #[inline(always)]
+    fn least_light_in(&self, number: usize) -> f32 {
+        self.highest.get(number).map_or(0.0, |&opacity| LEAST_LIGHT[usize::from(opacity)])
     }
 
     /// As [`Field::ground_shadow`] has it of one of its own primitives: the light that it lets through, if that is less than what is known.
@@ -439,6 +465,10 @@ fn dimmed_way(x: f32, opacity: u8) -> f32 {
     let light = 1.0 - f32::from(opacity) / 255.0 * (1.0 - x * x * (3.0 - 2.0 * x));
     0.5 - ((1.0 - 2.0 * light).clamp(-1.0, 1.0).asin() / 3.0).sin()
 }
+
+/// What is left by what takes away all it can, for every opacity.
+static LEAST_LIGHT: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|opacity| dimmed_way(0.0, opacity as u8)));
 
 /// A distance found so high above the ground that falls short of the height by the opacity's share only.
 fn dimmed_distance(distance: f32, height: f32, opacity: u8) -> f32 {

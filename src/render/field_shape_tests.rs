@@ -5,9 +5,9 @@ use super::*;
 use crate::color::Srgb8;
 use crate::render::cpu::intersect::primitive_t;
 use crate::render::settings::{Settings, View};
-use crate::render::test_shapes::Random;
+use crate::render::test_shapes::{Random, camera};
 use crate::render::test_solids::{Body, Drawn, random_drawn};
-use crate::scene::{Block, Camera, ConeInstance, Placement, Projection, Ray, TorusInstance, TriangleInstance};
+use crate::scene::{Block, ConeInstance, Placement, Projection, Ray, TorusInstance, TriangleInstance};
 use glam::{DVec3, Quat};
 
 /// `count` of each in a cube of 20 Å.
@@ -111,15 +111,7 @@ fn at_every_hit_the_field_is_zero_and_names_the_primitive() {
 
 /// The constants of a scene seen from the front.
 fn looked_at(scene: &Scene) -> FrameConstants {
-    let camera = Camera {
-        eye: Vec3::new(0.0, 0.0, 100.0),
-        world_from_view: Quat::IDENTITY,
-        projection: Projection::Orthographic { height: 20.0 },
-        near: 0.1,
-        far: 200.0,
-        target: Vec3::ZERO,
-        shift: [0.0; 2],
-    };
+    let camera = camera(Quat::IDENTITY, Projection::Orthographic { height: 20.0 });
     FrameConstants::new(scene, &View::new(camera, 100, 100), &Settings::default())
 }
 
@@ -133,7 +125,7 @@ fn the_shadow_is_that_of_the_darkest_point_of_the_way() {
     let (sharpness, start) = (frame.ground_map_size[2], 1e-3 * scene.bounds().size().length());
     let mut random = Random(10);
     let (mut dark, mut half, mut worst) = (0, 0, 0.0f32);
-    for _ in 0..300 {
+    for _ in 0..600 {
         let p = Vec3::new(random.between(-15.0, 15.0) as f32, frame.ground[0], random.between(-15.0, 15.0) as f32);
         let ways = (0..6000).map(|i| start + i as f32 * 0.01);
         let least =

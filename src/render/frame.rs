@@ -5,8 +5,8 @@
 use super::settings::{Settings, View};
 use super::sky::Reach;
 use crate::color::{Srgb8, srgb_from_linear};
-use crate::math::{max, min};
-use crate::scene::{Background, LightFrame, Outline, Scene};
+use crate::math::{Aabb, max, min};
+use crate::scene::{Background, Camera, LightFrame, Outline, Ray, Scene};
 use glam::{Affine3A, Vec3, Vec4};
 
 /// Everything shading needs. Laid out as a WGSL uniform: rows of 16 bytes.
@@ -25,8 +25,10 @@ pub struct FrameConstants {
     pub ambient: [f32; 4],
     /// Linear colour of the background; w: fog strength.
     pub background: [f32; 4],
-    /// x: depth where fog starts, y: 1 / (depth over which it grows), z: near, w: far.
+    /// x, y: 0, z: near, w: far.
     pub depth: [f32; 4],
+    /// How far into the fog a point of view space lies is its dot product with (x, y, z), plus w: 0 where fog starts, 1 where it is full.
+    pub fog: [f32; 4],
     /// Linear colour of the ground; w: 1 if there is a ground.
     pub ground_color: [f32; 4],
     /// x: height, y: fade start, z: 1 / (fade end − fade start), w: 0.
@@ -54,6 +56,23 @@ pub struct FrameConstants {
     pub outline: [f32; 4],
     /// Their linear colour; w: 0.
     pub outline_color: [f32; 4],
+}
+
+/// [`FrameConstants::fog`]: it grows from the front of the scene to its back.
+///
+/// Along the ground, though the camera looks down on it: what stands upright is as clear below as above. Where the camera looks down
+/// (or up) by more than 30° fog begins to follow the view, and does so from 60° on (both chosen).
+fn fog_in_view(camera: &Camera, bounds: Aabb) -> [f32; 4] {
+    if bounds.is_empty() {
+        return [0.0; 4];
+    }
+    let (forward, upright) = (camera.forward(), camera.forward().y);
+    let steep = ((upright.abs() - 0.5) / (0.75f32.sqrt() - 0.5)).clamp(0.0, 1.0);
+    let along = Vec3::new(forward.x, upright * steep, forward.z).normalize_or(forward);
+    let (middle, reach) = (along.dot(bounds.center() - camera.eye), along.abs().dot(bounds.size() * 0.5));
+    let over = 0.5 / reach.max(1e-6);
+    let in_view = camera.world_from_view.inverse() * along * over;
+    [in_view.x, in_view.y, in_view.z, (reach - middle) * over]
 }
 
 /// Texel grid of the ground map.
@@ -91,7 +110,6 @@ impl FrameConstants {
         };
         // Fog spans the molecule. A small one needs none: it sets in at 15 Å and is full from 60 Å on, where the eye
         // begins to need help with what is in front.
-        let [front, back] = if bounds.is_empty() { [0.0; 2] } else { camera.depth_range(bounds) };
         let large = ((bounds.size().length() - 15.0) / 45.0).clamp(0.0, 1.0);
         let fog = if transparent > 0.0 || bounds.is_empty() { 0.0 } else { light.fog * large };
         let [grid, ground_map, ground_map_size] = grids(scene, view, settings, key_in_world);
@@ -111,7 +129,8 @@ impl FrameConstants {
             up: row(up_in_view, light.sky),
             ambient: [light.bounce, light.specular, light.gloss_log2 as f32, transparent],
             background: color(background, fog),
-            depth: [front, 1.0 / (back - front).max(1e-6), camera.near, camera.far],
+            depth: [0.0, 0.0, camera.near, camera.far],
+            fog: fog_in_view(&camera, bounds),
             ground_color: color(ground_color, if ground.is_some() { 1.0 } else { 0.0 }),
             ground: ground
                 .map_or([0.0; 4], |g| [g.height, g.fade_start, 1.0 / (g.fade_end - g.fade_start).max(1e-6), 0.0]),
@@ -176,7 +195,9 @@ impl FrameConstants {
     /// Whether the ground maps of the two are the same, for one set of primitives.
     #[must_use]
     pub fn same_ground_map(&self, other: &FrameConstants) -> bool {
+        // Where it fades, nothing is asked.
         self.ground == other.ground
+            && self.ground_center[..2] == other.ground_center[..2]
             && self.ground_map == other.ground_map
             && self.ground_map_size == other.ground_map_size
             && self.key_in_world() == other.key_in_world()
@@ -246,8 +267,8 @@ pub struct Surface {
 /// Visible points of the molecule, one after the other: see [`Surface`] and [`Reach`].
 #[derive(Debug, Clone, Copy)]
 pub struct Surfaces<'a, const N: usize> {
-    /// Depth along the view axis.
-    pub depth: &'a [f32; N],
+    /// x, y and z of the points, view space.
+    pub position: &'a [[f32; N]; 3],
     /// x, y and z of the unit normals.
     pub normal: &'a [[f32; N]; 3],
     /// Red, green and blue, linear.
@@ -260,17 +281,17 @@ pub struct Surfaces<'a, const N: usize> {
     pub direction: &'a [[f32; N]; 2],
 }
 
-/// Light from a point of the molecule, given what reaches it from afar; `direction` is the ray's, view space.
+/// Light from a point of the molecule, given what reaches it from afar; the ray that sees it is in view space, as in [`Surfaces`].
 #[must_use]
-pub fn shade_surface(frame: &FrameConstants, surface: &Surface, reach: Reach, direction: Vec3) -> Vec3 {
+pub fn shade_surface(frame: &FrameConstants, surface: &Surface, reach: Reach, ray: &Ray) -> Vec3 {
     let one = |v: Vec3| v.to_array().map(|x| [x]);
     let points = Surfaces {
-        depth: &[surface.depth],
+        position: &one(ray.origin + ray.direction * surface.depth),
         normal: &one(surface.normal),
         albedo: &one(surface.albedo),
         open: &[reach.open],
         key: &[reach.key],
-        direction: &[[direction.x], [direction.y]],
+        direction: &[[ray.direction.x], [ray.direction.y]],
     };
     Vec3::from(shade_surfaces(frame, &points).map(|[part]| part))
 }
@@ -324,7 +345,8 @@ pub fn shade_surfaces<const N: usize>(frame: &FrameConstants, points: &Surfaces<
         let (background, fog_strength) = (frame.background[part], frame.background[3]);
         let albedo = &points.albedo[part];
         for i in 0..N {
-            let behind = min(max((points.depth[i] - frame.depth[0]) * frame.depth[1], 0.0), 1.0);
+            let [x, y, z] = [points.position[0][i], points.position[1][i], points.position[2][i]];
+            let behind = into_fog(frame, [x, y, z]);
             let shaded = albedo[i] * light[i] + highlight[i] * half_way[i];
             color[i] = shaded + (background - shaded) * (fog_strength * behind * behind);
         }
@@ -332,11 +354,18 @@ pub fn shade_surfaces<const N: usize>(frame: &FrameConstants, points: &Surfaces<
     color
 }
 
-/// Colour of an outline at this depth.
+/// How far into the fog a point of view space lies, 0–1.
+#[inline(always)]
+fn into_fog(frame: &FrameConstants, [x, y, z]: [f32; 3]) -> f32 {
+    let [fx, fy, fz, start] = frame.fog;
+    min(max(fx * x + fy * y + (fz * z + start), 0.0), 1.0)
+}
+
+/// Colour of an outline at a point of view space.
 #[inline(always)]
 #[must_use]
-pub fn shade_outline(frame: &FrameConstants, depth: f32) -> Vec3 {
-    let behind = min(max((depth - frame.depth[0]) * frame.depth[1], 0.0), 1.0);
+pub fn shade_outline(frame: &FrameConstants, position: Vec3) -> Vec3 {
+    let behind = into_fog(frame, position.to_array());
     let (line, background) = (Vec4::from(frame.outline_color).truncate(), Vec4::from(frame.background).truncate());
     line + (background - line) * (frame.background[3] * behind * behind)
 }
@@ -419,6 +448,24 @@ mod tests {
     }
 
     #[test]
+    fn a_ground_that_fades_elsewhere_has_another_map() {
+        let mut scene = row(10.0);
+        scene.set_ground(true);
+        let before = frame_of(&scene, Quat::IDENTITY);
+        assert!(before.same_ground_map(&before));
+        if let Some(ground) = &mut scene.ground {
+            // Too far for the map to end there, both times.
+            (ground.fade_end, ground.center_xz) = (1e4, [0.0; 2]);
+        }
+        let before = frame_of(&scene, Quat::IDENTITY);
+        if let Some(ground) = &mut scene.ground {
+            ground.center_xz[0] += 1.0;
+        }
+        let after = frame_of(&scene, Quat::IDENTITY);
+        assert!(before.ground_map == after.ground_map && !before.same_ground_map(&after));
+    }
+
+    #[test]
     fn lights_turn_with_the_camera_or_stay_with_the_molecule() {
         let turn = Quat::from_rotation_y(1.0);
         let mut scene = row(10.0);
@@ -440,7 +487,7 @@ mod tests {
     fn fog_goes_from_the_front_to_the_back_of_what_is_large() {
         let scene = row(80.0);
         let frame = frame_of(&scene, Quat::IDENTITY);
-        let seen = |depth: f32| shade_outline(&frame, depth);
+        let seen = |depth: f32| shade_outline(&frame, Vec3::NEG_Z * depth);
         let (line, background) = (Vec3::from(scene.lighting.outline.color.to_linear()), Vec3::ONE);
         // The eye is 200 Å from the middle, the row reaches from 159.5 to 240.5.
         assert!((seen(159.5) - line).length() < 1e-5 && (seen(120.0) - line).length() < 1e-5);
@@ -448,7 +495,37 @@ mod tests {
         assert!((seen(240.5) - back).length() < 1e-4 && (seen(300.0) - back).length() < 1e-5);
         // From the side the same row is shallow, and all fog lies in that.
         let aside = frame_of(&scene, Quat::from_rotation_y(std::f32::consts::FRAC_PI_2));
-        assert!((shade_outline(&aside, 200.5) - back).length() < 1e-4);
+        assert!((shade_outline(&aside, Vec3::NEG_Z * 200.5) - back).length() < 1e-4);
         assert!(frame_of(&row(5.0), Quat::IDENTITY).background[3] == 0.0);
+    }
+
+    #[test]
+    fn fog_lies_along_the_ground_until_one_looks_down_on_it() {
+        let ball = |[x, y, z]: [f32; 3]| SphereInstance { center: [x, y, z], radius: 0.5, color: Srgb8::WHITE, id: 1 };
+        let ends = [[-30.0, -30.0, -30.0], [30.0, 30.0, 30.0]];
+        let block = Block { spheres: ends.map(ball).to_vec(), id_count: 2, ..Block::default() };
+        let place = Placement { block: 0, world_from_block: Affine3A::IDENTITY, first_id: 0 };
+        let scene = Scene::from_blocks(vec![block], vec![place]);
+        for (pitch, along_the_ground) in
+            [(0.0f32, 1.0f32), (17.0, 1.0), (29.0, 1.0), (45.0, 0.5), (60.0, 0.0), (90.0, 0.0)]
+        {
+            let turn = Quat::from_rotation_x(-pitch.to_radians());
+            let frame = frame_of(&scene, turn);
+            let fog = |world: Vec3| {
+                let eye = Vec3::from_slice(&frame.world_from_view[3][..3]);
+                into_fog(&frame, (turn.inverse() * (world - eye)).to_array())
+            };
+            let above = fog(Vec3::Y * 20.0) - fog(Vec3::NEG_Y * 20.0);
+            let of_the_view = fog(turn * Vec3::Z * 10.0) - fog(turn * Vec3::NEG_Z * 10.0);
+            if along_the_ground == 1.0 {
+                assert!(above.abs() < 1e-5 && (fog(Vec3::Z * 30.5) < 1e-5) && fog(Vec3::NEG_Z * 30.5) > 1.0 - 1e-5);
+            } else {
+                assert!(above < -0.05, "{pitch}: {above}");
+            }
+            if along_the_ground == 0.0 {
+                assert!((fog(turn * Vec3::X * 20.0) - fog(turn * Vec3::Y * 20.0)).abs() < 1e-5, "{pitch}");
+            }
+            assert!(of_the_view < -0.1, "{pitch}: {of_the_view}");
+        }
     }
 }

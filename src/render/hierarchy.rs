@@ -29,21 +29,20 @@ impl Hierarchy {
         if bounds.is_empty() {
             return Hierarchy::default();
         }
-        let all = bounds.iter().fold(Aabb::EMPTY, |all, &b| {
-            let center = (b.min + b.max) * 0.5;
-            all.union(Aabb { min: center, max: center })
-        });
+        let centers = bounds.par_iter().with_min_len(8192).map(|b| (b.min + b.max) * 0.5);
+        let centers = centers.map(|center| Aabb { min: center, max: center });
+        let all = centers.reduce(|| Aabb::EMPTY, Aabb::union);
         let scale = 1023.0 / all.size().max_element().max(1e-12);
-        let mut keyed: Vec<(u32, u32)> = bounds
-            .par_iter()
-            .with_min_len(8192)
-            .enumerate()
-            .map(|(index, b)| (morton(((b.min + b.max) * 0.5 - all.min) * scale), index as u32))
-            .collect();
+        // The place on the curve, and the index: one number is sorted faster than two.
+        let keyed = |(index, b): (usize, &Aabb)| {
+            u64::from(morton(((b.min + b.max) * 0.5 - all.min) * scale)) << 32 | index as u64
+        };
+        let mut keyed: Vec<u64> = bounds.par_iter().with_min_len(8192).enumerate().map(keyed).collect();
         keyed.par_sort_unstable();
-        let order: Vec<u32> = keyed.iter().map(|&(_, index)| index).collect();
+        let order: Vec<u32> = keyed.par_iter().with_min_len(8192).map(|&keyed| keyed as u32).collect();
         let mut boxes: Vec<Aabb> = order
-            .chunks(WIDTH)
+            .par_chunks(WIDTH)
+            .with_min_len(2048)
             .map(|leaf| leaf.iter().fold(Aabb::EMPTY, |all, &index| all.union(bounds[index as usize])))
             .collect();
         let mut levels = vec![0u32];
@@ -88,22 +87,33 @@ impl Hierarchy {
 
     /// Visits leaves that `enter` lets through, nearest first by the key it gives (smaller is nearer; `None` skips the
     /// node and all below). `leaf` gets primitive indices; what it changes, `enter` sees at later nodes.
-    pub fn visit<S>(&self, state: &mut S, enter: impl Fn(&S, &Aabb) -> Option<f32>, mut leaf: impl FnMut(&mut S, u32)) {
+    pub fn visit<S>(&self, state: &mut S, enter: impl Fn(&S, &Aabb) -> Option<f32>, leaf: impl FnMut(&mut S, u32)) {
+        self.visit_numbered(state, |state, _, own| enter(state, own), leaf);
+    }
+
+    /// As [`Hierarchy::visit`]; `enter` is given the number of the box in `boxes`, too.
+    pub fn visit_numbered<S>(
+        &self,
+        state: &mut S,
+        enter: impl Fn(&S, usize, &Aabb) -> Option<f32>,
+        mut leaf: impl FnMut(&mut S, u32),
+    ) {
         if self.order.is_empty() {
             return;
         }
         let top = self.depth() - 1;
         // Every level leaves at most WIDTH − 1 nodes waiting; 16 levels hold 4^17 primitives.
         let mut stack = [(0u8, 0u32, 0f32); 16 * WIDTH];
-        let Some(key) = enter(state, &self.boxes[self.levels[top] as usize]) else { return };
+        let root = self.levels[top] as usize;
+        let Some(key) = enter(state, root, &self.boxes[root]) else { return };
         stack[0] = (top as u8, 0, key);
         let mut waiting = 1;
         while waiting > 0 {
             waiting -= 1;
             let (level, node, _) = stack[waiting];
             // The bound may have tightened since the node was pushed.
-            let own = &self.boxes[self.levels[level as usize] as usize + node as usize];
-            if enter(state, own).is_none() {
+            let own = self.levels[level as usize] as usize + node as usize;
+            if enter(state, own, &self.boxes[own]).is_none() {
                 continue;
             }
             if level == 0 {
@@ -117,7 +127,7 @@ impl Hierarchy {
             let (start, end) = (self.levels[below] as usize, self.levels[below + 1] as usize);
             let base = waiting;
             for child in (start + node as usize * WIDTH)..(start + (node as usize + 1) * WIDTH).min(end) {
-                if let Some(key) = enter(state, &self.boxes[child]) {
+                if let Some(key) = enter(state, child, &self.boxes[child]) {
                     // Insertion keeps the nearest on top.
                     let mut at = waiting;
                     while at > base && stack[at - 1].2 < key {

@@ -54,21 +54,28 @@ impl Cylinder {
     /// An instance moved to the space of `space_from_block` (rigid); `None` if it has no length or no radius.
     #[must_use]
     pub fn new(instance: &CylinderInstance, space_from_block: &Affine3A) -> Option<Cylinder> {
-        let (a, b) = (Vec3::from(instance.a), Vec3::from(instance.b));
+        let axis = Cylinder::extent(instance, space_from_block)?;
+        Some(Cylinder::along(axis, instance, space_from_block))
+    }
+
+    /// From one end of an instance to the other in that space, and how far that is; `None` if it has no length or no radius.
+    fn extent(instance: &CylinderInstance, space_from_block: &Affine3A) -> Option<(Vec3, f32)> {
         // The axis before the translation: a difference of large numbers would lose its digits.
-        let axis = space_from_block.transform_vector3(b - a);
+        let axis = space_from_block.transform_vector3(Vec3::from(instance.b) - Vec3::from(instance.a));
         let length = axis.length();
-        if !(length > 1e-12 && instance.radius > 0.0) {
-            return None;
-        }
-        Some(Cylinder {
+        (length > 1e-12 && instance.radius > 0.0).then_some((axis, length))
+    }
+
+    fn along((axis, length): (Vec3, f32), instance: &CylinderInstance, space_from_block: &Affine3A) -> Cylinder {
+        let (a, b) = (Vec3::from(instance.a), Vec3::from(instance.b));
+        Cylinder {
             center: space_from_block.transform_point3((a + b) * 0.5),
             cylinder_from_space: rotation_to_y(axis / length),
             half_length: length * 0.5,
             radius: instance.radius,
             caps: instance.caps,
             hidden: instance.hidden,
-        })
+        }
     }
 
     /// Unit axis, from end a to end b.
@@ -358,13 +365,20 @@ impl Solids {
         let id = |local: u32| placement.first_id.saturating_add(local);
         let spheres = block.spheres.par_iter().with_min_len(4096);
         self.spheres.par_extend(spheres.map(|s| Sphere::new(s, &space_from_block)));
-        self.sphere_looks.extend(block.spheres.iter().map(|s| (s.color, id(s.id))));
+        let spheres = block.spheres.par_iter().with_min_len(4096);
+        self.sphere_looks.par_extend(spheres.map(|s| (s.color, id(s.id))));
+        // Nearly always all sticks have an extent: then each has its place, and nothing is copied together afterwards.
+        let extent = |c: &CylinderInstance| Cylinder::extent(c, &space_from_block);
         let sticks = block.cylinders.par_iter().with_min_len(4096);
-        let sticks: Vec<_> = sticks
-            .filter_map(|c| Some((Cylinder::new(c, &space_from_block)?, (c.color_a, c.color_b, id(c.id)))))
-            .collect();
-        self.cylinders.extend(sticks.iter().map(|(stick, _)| *stick));
-        self.cylinder_looks.extend(sticks.iter().map(|(_, looks)| *looks));
+        if !sticks.clone().all(|c| extent(c).is_some()) {
+            block.cylinders.iter().for_each(|c| {
+                self.push_cylinder(c, &space_from_block, placement.first_id);
+            });
+            return;
+        }
+        let stick = |c| Cylinder::along(extent(c).unwrap_or((Vec3::Y, 1.0)), c, &space_from_block);
+        self.cylinders.par_extend(sticks.clone().map(stick));
+        self.cylinder_looks.par_extend(sticks.map(|c| (c.color_a, c.color_b, id(c.id))));
     }
 
     /// Adds a ball of a placement with this first id.
@@ -467,7 +481,7 @@ impl Solids {
     /// Boxes of all primitives.
     #[must_use]
     pub fn bounds(&self) -> Vec<Aabb> {
-        (0..self.len()).map(|index| self.box_of(index)).collect()
+        (0..self.len()).into_par_iter().with_min_len(4096).map(|index| self.box_of(index)).collect()
     }
 
     /// The box of primitive `index`.

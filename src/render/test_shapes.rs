@@ -5,12 +5,31 @@
 
 use super::solids::{Cylinder, Sphere};
 use crate::color::Srgb8;
-use crate::scene::{CylinderInstance, Ray};
-use glam::{Affine3A, DVec2, DVec3, Vec3};
+use crate::scene::{Camera, CylinderInstance, Projection, Ray};
+use glam::{Affine3A, DVec2, DVec3, Quat, Vec3};
 
 pub(in crate::render) const OPEN: u32 = 0;
 pub(in crate::render) const FLAT: u32 = 1;
 pub(in crate::render) const ROUND: u32 = 2;
+
+/// A camera that looks at the origin from 100 Å away.
+pub(in crate::render) fn camera(world_from_view: Quat, projection: Projection) -> Camera {
+    Camera {
+        eye: world_from_view * Vec3::new(0.0, 0.0, 100.0),
+        world_from_view,
+        projection,
+        near: 0.1,
+        far: 300.0,
+        target: Vec3::ZERO,
+        shift: [0.0; 2],
+    }
+}
+
+/// One that looks down by 0.2 rad, after a turn about the vertical.
+pub(in crate::render) fn camera_around(turn_rad: f32) -> Camera {
+    let world_from_view = Quat::from_rotation_y(turn_rad) * Quat::from_rotation_x(-0.2);
+    camera(world_from_view, Projection::Perspective { fov_y_rad: 0.5 })
+}
 
 /// SplitMix64: the same numbers everywhere.
 pub(in crate::render) struct Random(pub(super) u64);

@@ -4,11 +4,16 @@
 //! Rings are found among the aromatic bonds alone, the shortest ones through each bond (`bonds::small_rings`), so that fused rings
 //! each have their own and the whole stays linear in the number of atoms. A ring that is not flat, and bonds that are in no
 //! ring of five to seven atoms, have the dashed line.
+//!
+//! Two kinds of rings are drawn as chemists draw them, in a Kekulé form, where one is known: those with a double bond that leaves the ring
+//! (the C=O of caffeine, of guanine, of a pyridone), and cages with five-membered rings of carbon between others (fullerenes,
+//! corannulene), whose double bonds are those between six-membered rings.
 
 use super::fit::eigen_symmetric;
 use super::shapes::TorusInstance;
 use crate::bonds;
 use crate::color::Srgb8;
+use crate::element::Element;
 use crate::structure::{Bond, BondKind, BondOrder, Structure};
 use glam::{DMat3, DVec3, Vec3};
 
@@ -45,13 +50,13 @@ impl Aromatic {
     }
 
     /// The bond as its sticks are to look: aromatic only if that is a dashed stick beside a solid one.
-    pub(super) fn as_drawn(self, bond: &Bond, has_ring: bool) -> Bond {
-        let (aromatic, order) = match self {
+    pub(super) fn as_drawn(self, bond: &Bond, shown: Shown) -> Bond {
+        let (aromatic, order) = match (self, shown) {
             _ if !bond.aromatic => return *bond,
-            Aromatic::Kekule if bond.order == BondOrder::Unknown => (false, BondOrder::Double),
-            Aromatic::Kekule => (false, bond.order),
-            _ if has_ring => (false, BondOrder::Single),
-            _ => (true, BondOrder::Double),
+            (Aromatic::Kekule, _) if bond.order == BondOrder::Unknown => (false, BondOrder::Double),
+            (Aromatic::Kekule, _) | (_, Shown::Order) => (false, bond.order),
+            (_, Shown::Ring) => (false, BondOrder::Single),
+            (_, Shown::Stick) => (true, BondOrder::Double),
         };
         Bond { aromatic, order, ..*bond }
     }
@@ -69,12 +74,24 @@ const ROOM: f32 = 0.1;
 /// How much darker than the mean of its atoms a ring is, in linear light, so that it stands out from the sticks; by eye.
 const DARKER: f32 = 0.6;
 
+/// What says that a bond is aromatic.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Shown {
+    /// The bond itself.
+    #[default]
+    Stick,
+    /// A ring beside it.
+    Ring,
+    /// Nothing: it is drawn as the Kekulé form has it.
+    Order,
+}
+
 /// The rings that have a ring inside: which atoms they are, not where.
 #[derive(Debug, Default)]
 pub(super) struct Rings {
     list: Vec<Ring>,
-    /// Whether a bond is in one of them; empty if none is.
-    has_ring: Vec<bool>,
+    /// What shows each bond of the structure; empty if none is in a ring.
+    shown: Vec<Shown>,
 }
 
 #[derive(Debug)]
@@ -88,8 +105,9 @@ struct Ring {
 }
 
 impl Rings {
-    pub(super) fn has(&self, bond: u32) -> bool {
-        self.has_ring.get(bond as usize).is_some_and(|&has| has)
+    /// What says that a bond is aromatic, if it is.
+    pub(super) fn shown(&self, bond: u32) -> Shown {
+        self.shown.get(bond as usize).copied().unwrap_or_default()
     }
 
     /// What is drawn of them where the atoms are, each with the id of its first bond. A ring that has been bent since it was found keeps its
@@ -133,10 +151,14 @@ pub(super) fn rings(
         return rings;
     }
     let positions = structure.positions().relative();
-    for ring in bonds::small_rings(structure, &aromatic, *ATOMS.end()) {
-        if !ATOMS.contains(&ring.atoms.len()) {
-            continue;
-        }
+    let mut found = bonds::small_rings(structure, &aromatic, *ATOMS.end());
+    found.retain(|ring| ATOMS.contains(&ring.atoms.len()));
+    let has_kekule = has_kekule(structure, &aromatic, &found, is_drawn);
+    rings.shown.resize(structure.bonds().len(), Shown::default());
+    for (ring, _) in found.iter().zip(&has_kekule).filter(|(_, has_kekule)| **has_kekule) {
+        ring.bonds.iter().for_each(|&bond| rings.shown[indices[bond as usize] as usize] = Shown::Order);
+    }
+    for (ring, _) in found.into_iter().zip(has_kekule).filter(|(_, has_kekule)| !has_kekule) {
         let Some(radii) = radii(&ring.atoms) else { continue };
         let points: Vec<Vec3> = ring.atoms.iter().map(|&atom| positions[atom as usize]).collect();
         let Some((center, _, is_flat)) = plane(&points) else { continue };
@@ -144,14 +166,57 @@ pub(super) fn rings(
             continue;
         }
         let first = ring.bonds.iter().map(|&bond| indices[bond as usize]).min().unwrap_or(0);
-        rings.has_ring.resize(structure.bonds().len(), false);
         for bond in ring.bonds {
-            rings.has_ring[indices[bond as usize] as usize] = true;
+            rings.shown[indices[bond as usize] as usize] = Shown::Ring;
         }
         let color = mean(ring.atoms.iter().map(|&atom| colors[atom as usize]));
         rings.list.push(Ring { atoms: ring.atoms, color, first, radii });
     }
     rings
+}
+
+/// For each ring whether it is drawn in its Kekulé form: see the module. `aromatic` are the bonds that the rings' indices stand for.
+fn has_kekule(
+    structure: &Structure,
+    aromatic: &[Bond],
+    rings: &[bonds::Ring],
+    is_drawn: impl Fn(&Bond) -> bool,
+) -> Vec<bool> {
+    let mut has_double = vec![false; structure.atom_count()];
+    let doubles = structure.bonds().iter().filter(|bond| {
+        !bond.aromatic && bond.kind == BondKind::Covalent && bond.order == BondOrder::Double && is_drawn(bond)
+    });
+    doubles.for_each(|bond| (has_double[bond.a as usize], has_double[bond.b as usize]) = (true, true));
+    let mut rings_of_bond = vec![0u8; aromatic.len()];
+    for bond in rings.iter().flat_map(|ring| &ring.bonds) {
+        rings_of_bond[*bond as usize] = rings_of_bond[*bond as usize].saturating_add(1);
+    }
+    let is_known = |ring: &bonds::Ring| {
+        ring.bonds.iter().all(|&bond| matches!(aromatic[bond as usize].order, BondOrder::Single | BondOrder::Double))
+    };
+    let elements = structure.elements();
+    let is_inside = |ring: &bonds::Ring| {
+        ring.atoms.len() == 5
+            && ring.atoms.iter().all(|&atom| elements[atom as usize] == Element::C)
+            && ring.bonds.iter().all(|&bond| rings_of_bond[bond as usize] > 1)
+    };
+    // From five-membered rings inside a cage to all that are joined to it.
+    let mut in_cage = vec![false; aromatic.len()];
+    let mut is_cage: Vec<bool> = rings.iter().map(|ring| is_known(ring) && is_inside(ring)).collect();
+    let mut is_growing = is_cage.contains(&true);
+    while is_growing {
+        is_growing = false;
+        for (ring, is_cage) in rings.iter().zip(&mut is_cage) {
+            let joins = *is_cage || ring.bonds.iter().any(|&bond| in_cage[bond as usize]) && is_known(ring);
+            if joins {
+                is_growing |= ring.bonds.iter().any(|&bond| !in_cage[bond as usize]);
+                ring.bonds.iter().for_each(|&bond| in_cage[bond as usize] = true);
+            }
+            *is_cage = joins;
+        }
+    }
+    let leaves = |ring: &bonds::Ring| ring.atoms.iter().any(|&atom| has_double[atom as usize]);
+    rings.iter().zip(is_cage).map(|(ring, is_cage)| is_cage || (leaves(ring) && is_known(ring))).collect()
 }
 
 /// Radius of the ring inside a ring of atoms.
@@ -193,9 +258,9 @@ fn mean(colors: impl ExactSizeIterator<Item = Srgb8>) -> Srgb8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::element::Element;
     use crate::scene::{Item, Scene, SceneOptions, Style};
     use crate::structure::{AtomRecord, BondSource, Diagnostics, StructureBuilder};
+    use std::f32::consts::FRAC_PI_3;
 
     /// Aromatic carbons.
     fn molecule(points: &[Vec3], pairs: &[(u32, u32)]) -> Structure {
@@ -262,6 +327,36 @@ mod tests {
         let (sticks, tori) = drawn(&polygon(6, 0.0), Aromatic::Kekule, Style::BallAndStick);
         assert_eq!((sticks, tori.len()), (9, 0));
         assert!(drawn(&polygon(6, 0.0), Aromatic::Ring, Style::SpaceFilling).1.is_empty());
+    }
+
+    #[test]
+    fn a_ring_with_a_double_bond_to_the_outside_has_its_kekule_form() {
+        // p-Benzoquinone with aromatic bonds in the ring, as dictionaries have pyridones: C=O on atoms 0 and 3.
+        let out = |k: f32, far: f32| Vec3::new((k * FRAC_PI_3).cos(), (k * FRAC_PI_3).sin(), 0.0) * far;
+        let mut points: Vec<Vec3> = (0..6).map(|k| out(k as f32, 1.4)).collect();
+        points.extend([out(0.0, 2.62), out(3.0, 2.62)]);
+        let build = |orders: [BondOrder; 6]| {
+            let mut builder = StructureBuilder::new();
+            for point in &points {
+                let position = point.as_dvec3();
+                builder.push_atom(&AtomRecord { element: Element::C, position, ..AtomRecord::default() });
+            }
+            for (k, order) in (0u32..).zip(orders) {
+                let bond = Bond::new(k, (k + 1) % 6, order, BondSource::File);
+                builder.push_bond(Bond { aromatic: true, ..bond });
+            }
+            builder.push_bond(Bond::new(0, 6, BondOrder::Double, BondSource::File));
+            builder.push_bond(Bond::new(3, 7, BondOrder::Double, BondSource::File));
+            builder.build(&mut Diagnostics::default())
+        };
+        let (one, two) = (BondOrder::Single, BondOrder::Double);
+        let known = build([one, two, one, one, two, one]);
+        // Four single bonds, two double ones in the ring and two that leave it.
+        assert_eq!(drawn(&known, Aromatic::Ring, Style::BallAndStick).0, 12);
+        assert!(drawn(&known, Aromatic::Ring, Style::BallAndStick).1.is_empty());
+        // Where no form is known the ring stands for it.
+        let unknown = build([BondOrder::Unknown; 6]);
+        assert_eq!(drawn(&unknown, Aromatic::Ring, Style::BallAndStick).1.len(), 1);
     }
 
     #[test]

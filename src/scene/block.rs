@@ -1,6 +1,6 @@
 //! The balls and sticks of one structure: which atoms are drawn, how large, and what their bonds look like.
 
-use super::aromatic::{self, Aromatic};
+use super::aromatic::{self, Aromatic, Shown};
 use super::chosen::Chosen;
 use super::dashes::{dashes, is_dashed};
 use super::haptic;
@@ -12,10 +12,13 @@ use super::wedges::{self, Wedge};
 use super::{Block, Item, SceneOptions, Style};
 use crate::color::Srgb8;
 use crate::crystal::Stub;
-use crate::structure::{Bond, BondKind, BondOrder, ByAtom, atom_flags};
+use crate::structure::{Bond, BondKind, BondOrder, ByAtom, atom_flags, joined};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
+
+/// Atoms or bonds that are drawn in one go. Chosen: 250 runs for a million.
+const RUN: usize = 4096;
 
 /// All of a structure's balls and sticks that its positions do not decide: which atoms are drawn, their radii and colours, who is bonded to whom, the rings.
 /// It is the same in all frames with the same bonds, and most of the time of making a scene goes into it.
@@ -72,8 +75,8 @@ impl Rig {
             is_drawn(bond) && bond.order == BondOrder::Single && bond.kind == BondKind::Covalent && !bond.aromatic
         });
         let ring_of = |(index, bond): (usize, &Bond)| {
-            let has_ring = rings.has(index as u32);
-            let is_wanted = is_drawn(bond) && sticks::is_multiple(&options.aromatic.as_drawn(bond, has_ring));
+            let drawn = options.aromatic.as_drawn(bond, rings.shown(index as u32));
+            let is_wanted = is_drawn(bond) && sticks::is_multiple(&drawn);
             let style = chosen.bond_style(bond.a, bond.b);
             let has_sticks = sizes.stick(style, BondKind::Covalent).is_some();
             let ring = if is_wanted && has_sticks { sticks::ring(&neighbours, bond) } else { None };
@@ -117,17 +120,17 @@ impl Rig {
         let is_drawn = |bond: &Bond| is_drawn(&self.chosen, bond);
         let last = u32::try_from(structure.atom_count()).unwrap_or(u32::MAX);
         let radius_of = |atom: u32| self.radii[atom as usize];
-        let spheres: Vec<SphereInstance> = (0..last)
-            .into_par_iter()
-            .with_min_len(4096)
-            .filter(|&atom| is_shown(atom))
-            .map(|atom| SphereInstance {
+        let balls = (0..last).step_by(RUN).collect::<Vec<u32>>().into_par_iter().map(|start| {
+            let atoms = (start..last.min(start.saturating_add(RUN as u32))).filter(|&atom| is_shown(atom));
+            let ball = |atom: u32| SphereInstance {
                 center: positions[atom as usize].to_array(),
                 radius: radius_of(atom),
                 color: colors[atom as usize],
                 id: atom + 1,
-            })
-            .collect();
+            };
+            atoms.map(ball).collect()
+        });
+        let spheres: Vec<SphereInstance> = joined(balls.collect());
         let artist = Artist {
             chosen: &self.chosen,
             sizes: self.sizes,
@@ -147,18 +150,16 @@ impl Rig {
         let id_of_bond = |index: u32| last.saturating_add(index).saturating_add(1);
         let is_stick =
             |index: u32, bond: &Bond| is_drawn(bond) && !in_group.contains(&index) && !self.wedges.contains_key(&index);
-        let mut cylinders: Vec<CylinderInstance> = (structure.bonds().par_iter().enumerate())
-            .with_min_len(4096)
-            .map(|(index, bond)| (index as u32, bond))
-            .filter(|&(index, bond)| is_stick(index, bond))
-            .flat_map_iter(|(index, bond)| {
-                let mut sticks = Vec::new();
+        let sticks = structure.bonds().par_chunks(RUN).enumerate().map(|(run, bonds)| {
+            let mut sticks = Vec::with_capacity(bonds.len());
+            for (index, bond) in ((run * RUN) as u32..).zip(bonds).filter(|&(index, bond)| is_stick(index, bond)) {
                 let ring = self.ring_of_bond.binary_search_by_key(&index, |(bond, _)| *bond).ok();
                 let ring = ring.map(|at| &*self.ring_of_bond[at].1);
-                artist.bond(bond, self.rings.has(index), ring, id_of_bond(index), |stick| sticks.push(stick));
-                sticks
-            })
-            .collect();
+                artist.bond(bond, self.rings.shown(index), ring, id_of_bond(index), |stick| sticks.push(stick));
+            }
+            sticks
+        });
+        let mut cylinders: Vec<CylinderInstance> = joined(sticks.collect());
         for group in &groups {
             artist.haptic(group, id_of_bond(group.bonds[0]), |stick| cylinders.push(stick));
         }
@@ -204,9 +205,9 @@ impl Artist<'_> {
         self.chosen.bond_style(a, b)
     }
 
-    /// `has_ring` says that a ring shows that the bond is aromatic; `ring` are the atoms of the one that it is in, if it has several sticks.
-    fn bond(&self, bond: &Bond, has_ring: bool, ring: Option<&[u32]>, id: u32, push: impl FnMut(CylinderInstance)) {
-        self.between(&self.aromatic.as_drawn(bond, has_ring), self.positions[bond.b as usize], ring, id, push);
+    /// `shown` says what shows that the bond is aromatic; `ring` are the atoms of the one that it is in, if it has several sticks.
+    fn bond(&self, bond: &Bond, shown: Shown, ring: Option<&[u32]>, id: u32, push: impl FnMut(CylinderInstance)) {
+        self.between(&self.aromatic.as_drawn(bond, shown), self.positions[bond.b as usize], ring, id, push);
     }
 
     /// A bond towards or away from the viewer.
@@ -312,7 +313,7 @@ impl Artist<'_> {
             return self.dashed_stub(&stub.bond, start, along, [length, face], id, push);
         }
         // The ring that a cut bond is in is not whole.
-        self.between(&self.aromatic.as_drawn(&stub.bond, false), start + vector, None, id, |stick| {
+        self.between(&self.aromatic.as_drawn(&stub.bond, Shown::default()), start + vector, None, id, |stick| {
             let [from, to] = [stick.a, stick.b].map(|p| (Vec3::from(p) - start).dot(along));
             if from >= face {
                 return;

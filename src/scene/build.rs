@@ -333,7 +333,7 @@ fn build(items: &[Item<'_>], options: &SceneOptions, rig: &Rig) -> Scene {
                 {
                     Quat::from_rotation_y(std::f32::consts::PI) * turn
                 }
-                None => turn,
+                None => fit::turn_aside(scene.world_spheres(), turn) * turn,
             };
             (turn, fit::PITCH_RAD)
         }
@@ -457,11 +457,11 @@ pub(super) fn ground_under(bounds: Aabb) -> Ground {
     Ground {
         height: bounds.min.y - 0.02 * size,
         center_xz: [bounds.center().x, bounds.center().z],
-        fade_start: 1.5 * size,
+        fade_start: fit::GROUND_FADE_START * size,
         fade_end: fit::GROUND_FADE_END * size,
         color: None,
-        shadow: 0.42,
-        occlusion: 0.5,
+        shadow: 0.3,
+        occlusion: 0.45,
         sharpness: 6.0,
         occlusion_reach: 0.2 * size,
     }

@@ -1,7 +1,7 @@
 //! How a molecule is turned and framed when nothing else is said.
 //!
 //! Its longest axis to X, its thinnest to Z (the camera sees the broadest side), the camera looking down by
-//! 17°, everything in the picture with a small margin. Axes are those of the covariance of the atom positions.
+//! 17°, everything in the picture with a small margin. A small one whose atoms would hide one another is turned aside. Axes are those of the covariance of the atom positions.
 
 use super::camera::{Camera, Projection};
 use crate::math::direction_or;
@@ -11,8 +11,11 @@ use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
 pub const PITCH_RAD: f32 = 0.296_706;
 /// Vertical opening angle of the default camera, radians: 24°, a short telephoto as in product photographs.
 pub const FOV_Y_RAD: f32 = 0.418_879;
+/// The ground is fully there up to this many diagonals of the scene from its centre: shadows fade before a picture that the scene fills
+/// ends, those under its far ends are still there.
+pub const GROUND_FADE_START: f32 = 0.25;
 /// The ground has faded to the background at this many diagonals of the scene from its centre.
-pub const GROUND_FADE_END: f32 = 6.0;
+pub const GROUND_FADE_END: f32 = 0.8;
 /// Free part of the picture on each side.
 pub const MARGIN: f32 = 0.06;
 
@@ -67,6 +70,53 @@ pub fn is_flat(points: impl Iterator<Item = Vec3>, turn: Quat) -> bool {
         (low.min(point), high.max(point))
     });
     high.z - low.z < 0.25 * (high.y - low.y)
+}
+
+/// Of small molecules whose atoms hide one another, the turn aside that shows more of them; else none.
+///
+/// Symmetric ones (a sandwich complex, the corner of a crystal) stand with their atoms in rows when their axes are those of the picture. Asked
+/// are 10°, 20° and 30° to both sides: less than half of what a face is seen from. The least of those is taken that hides nearly as
+/// little as the best, and none unless it hides much less than no turn. The balls are turned by `turn` before, and looked down
+/// on by [`PITCH_RAD`], in parallel.
+#[must_use]
+pub fn turn_aside(balls: impl Iterator<Item = (Vec3, f32)>, turn: Quat) -> Quat {
+    let balls: Vec<(Vec3, f32)> = balls.take(MOST_ASIDE + 1).collect();
+    if balls.len() > MOST_ASIDE {
+        return Quat::IDENTITY;
+    }
+    let hidden = |angle_rad: f32| {
+        let in_view = Quat::from_rotation_x(PITCH_RAD) * Quat::from_rotation_y(angle_rad) * turn;
+        let seen: Vec<(Vec3, f32)> = balls.iter().map(|&(center, radius)| (in_view * center, radius)).collect();
+        hidden_part(&seen)
+    };
+    let unturned = hidden(0.0);
+    if unturned < 0.1 {
+        return Quat::IDENTITY;
+    }
+    let turns = [10.0f32, -10.0, 20.0, -20.0, 30.0, -30.0].map(f32::to_radians).map(|angle| (angle, hidden(angle)));
+    let least = turns.iter().fold(unturned, |least, turn| least.min(turn.1));
+    if least > 0.6 * unturned {
+        return Quat::IDENTITY;
+    }
+    let nearly = turns.iter().find(|turn| turn.1 <= least + 0.15 * unturned);
+    nearly.map_or(Quat::IDENTITY, |turn| Quat::from_rotation_y(turn.0))
+}
+
+/// Larger molecules are not turned aside: whichever way, half of them is behind the rest.
+const MOST_ASIDE: usize = 256;
+
+/// How much of balls is behind nearer ones, looking along −z: 0 where none is, 1 where only one is seen. Of two balls by how far
+/// they overlap along the line between their centres.
+fn hidden_part(balls: &[(Vec3, f32)]) -> f32 {
+    let hidden = balls.iter().map(|&(center, radius)| {
+        let in_front = balls.iter().filter(|other| other.0.z > center.z + 1e-3);
+        let cover = in_front.map(|&(other, other_radius)| {
+            let apart = (other - center).truncate().length();
+            ((radius + other_radius - apart) / (2.0 * radius.min(other_radius)).max(1e-6)).clamp(0.0, 1.0)
+        });
+        cover.sum::<f32>().min(1.0)
+    });
+    hidden.sum::<f32>() / balls.len().max(1) as f32
 }
 
 /// The rotation that turns a cell so that **c** is up and **a** comes to the viewer, less 25° to the left, so that
@@ -202,6 +252,40 @@ mod tests {
         let tilted: Vec<Vec3> = points.iter().map(|&p| tilt * p + Vec3::splat(50.0)).collect();
         let size = extent(&tilted, principal_rotation(tilted.iter().copied()));
         assert!((size - Vec3::new(18.0, 8.0, 2.0)).abs().max_element() < 0.7, "{size}");
+    }
+
+    #[test]
+    fn what_hides_itself_is_turned_aside_and_nothing_else() {
+        // Two rings face to face along X, as in a sandwich complex: from the front each is a row of balls behind balls.
+        let rings = (0..10).map(|i| {
+            let angle = (i % 5) as f32 * 72.0f32.to_radians();
+            (Vec3::new(if i < 5 { -1.66 } else { 1.66 }, 1.22 * angle.cos(), 1.22 * angle.sin()), 0.42)
+        });
+        let turn = turn_aside(rings.clone(), Quat::IDENTITY);
+        let angle_deg = turn.to_axis_angle().1.to_degrees();
+        assert!((9.0..31.0).contains(&angle_deg) && (turn * Vec3::Y - Vec3::Y).length() < 1e-6, "{angle_deg}");
+        let hidden = |turn: Quat| {
+            let in_view = Quat::from_rotation_x(PITCH_RAD) * turn;
+            hidden_part(&rings.clone().map(|(center, radius)| (in_view * center, radius)).collect::<Vec<_>>())
+        };
+        assert!(hidden(turn) <= 0.6 * hidden(Quat::IDENTITY));
+        // The same rings upright to the viewer hide nothing.
+        assert_eq!(turn_aside(rings, Quat::from_rotation_y(std::f32::consts::FRAC_PI_2 - 0.6)), Quat::IDENTITY);
+        // Nor does a flat ring, or nothing at all; a large heap stays as it is.
+        let flat = (0..6).map(|i| (Quat::from_rotation_z(i as f32 * 1.047) * Vec3::X * 1.4, 0.42));
+        assert_eq!(turn_aside(flat, Quat::IDENTITY), Quat::IDENTITY);
+        assert_eq!(turn_aside(std::iter::empty(), Quat::IDENTITY), Quat::IDENTITY);
+        let heap = (0..1000).map(|i| (Vec3::new((i % 10) as f32, (i / 10 % 10) as f32, (i / 100) as f32), 0.4));
+        assert_eq!(turn_aside(heap, Quat::IDENTITY), Quat::IDENTITY);
+    }
+
+    #[test]
+    fn balls_behind_others_count_as_far_as_they_overlap() {
+        let ball = |x: f32, z: f32| (Vec3::new(x, 0.0, z), 0.5);
+        assert_eq!(hidden_part(&[ball(0.0, 0.0), ball(0.0, 3.0)]), 0.5);
+        assert_eq!(hidden_part(&[ball(0.0, 0.0), ball(0.5, 3.0)]), 0.25);
+        assert_eq!(hidden_part(&[ball(0.0, 0.0), ball(1.0, 3.0)]), 0.0);
+        assert_eq!(hidden_part(&[]), 0.0);
     }
 
     #[test]

@@ -42,7 +42,7 @@ pub struct Lighting {
     /// What they turn with. Default: the camera.
     pub frame: LightFrame,
     /// Direction to the key light in view space (x right, y up, z to the viewer), that of the default view if the lights do not turn with the
-    /// camera. Default: upper left.
+    /// camera. Default: upper left, 45° from the view: what faces the viewer is lit well, and shadows fall behind more than aside.
     pub key_in_view: Vec3,
     /// Strength of the key light. Default: 0.74.
     pub key: f32,
@@ -98,7 +98,7 @@ impl Default for Lighting {
     fn default() -> Self {
         Lighting {
             frame: LightFrame::Camera,
-            key_in_view: Vec3::new(-0.45, 0.75, 0.55).normalize(),
+            key_in_view: Vec3::new(-0.35, 0.70, 0.75).normalize(),
             key: 0.74,
             fill_in_view: Vec3::new(0.8, -0.2, 0.55).normalize(),
             fill: 0.08,
@@ -154,9 +154,9 @@ pub struct Ground {
     pub fade_end: f32,
     /// Colour; `None` takes the background's.
     pub color: Option<Srgb8>,
-    /// How dark the shadow of the key light gets, 0–1. Default: 0.42.
+    /// How dark the shadow of the key light gets, 0–1. Default: 0.3.
     pub shadow: f32,
-    /// How dark the occluded ground gets, 0–1. Default: 0.5.
+    /// How dark the occluded ground gets, 0–1. Default: 0.45.
     pub occlusion: f32,
     /// Penumbra: visibility is the smallest `sharpness · distance / t` along the way to the light. Default: 6
     /// (a light about 19° across).

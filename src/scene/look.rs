@@ -81,7 +81,7 @@ impl Look {
                 sky: 0.95,
                 bounce: 0.88,
                 specular: 0.0,
-                rim: 0.35,
+                rim: 0.5,
                 ao_floor: 0.7,
                 shadow: 0.5,
                 fog: 0.75,

@@ -73,7 +73,7 @@ impl Viewpoint {
             let size = scene.bounds().size().length().max(1e-3);
             let [_, farthest] = camera.depth_range(scene.bounds());
             // Of another scene they might cut something off.
-            if near <= 2e-3 * size && far >= farthest + (fit::GROUND_FADE_END - 1.0) * size {
+            if near <= 2e-3 * size && far >= farthest {
                 (camera.near, camera.far) = (near, far);
             }
         }

@@ -32,8 +32,8 @@ pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub(crate) use expand::apply_symmetry;
 pub use mesh::{Mesh, MeshBuilder};
 pub use names::{NameId, Names};
-pub(crate) use positions::Points;
 pub use positions::Positions;
+pub(crate) use positions::{Points, joined};
 pub use symmetry::{Symmetry, SymmetryOperation};
 
 use crate::element::Element;

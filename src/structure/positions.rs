@@ -237,7 +237,7 @@ impl Points {
             [only] => std::mem::take(&mut only.fine),
             pieces => pieces.iter_mut().flat_map(|piece| std::mem::take(&mut piece.fine)).collect(),
         };
-        let coarse = joined(narrow_pieces.into_iter().map(|piece| piece.coarse).collect(), count);
+        let coarse = joined(narrow_pieces.into_iter().map(|piece| piece.coarse).collect());
         (Positions { origin, coarse, fine, decimals }, lost)
     }
 }
@@ -271,12 +271,13 @@ fn narrowed(mut piece: Piece, origin: DVec3, half_unit: Option<f64>) -> Narrowed
     Narrowed { coarse: bytemuck::allocation::cast_vec(piece), fine, lost }
 }
 
-/// Pieces one behind the other; each is freed once it is copied.
-fn joined(mut pieces: Vec<Vec<Vec3>>, count: usize) -> Vec<Vec3> {
+/// Pieces one behind the other, put there by all cores; each is freed once it is copied.
+pub(crate) fn joined<T: bytemuck::Pod + Send>(mut pieces: Vec<Vec<T>>) -> Vec<T> {
     if let [only] = pieces.as_mut_slice() {
         return std::mem::take(only);
     }
-    let mut all: Vec<Vec3> = bytemuck::allocation::zeroed_vec(count);
+    let count = pieces.iter().map(Vec::len).sum();
+    let mut all: Vec<T> = bytemuck::allocation::zeroed_vec(count);
     let mut rest = all.as_mut_slice();
     let mut places = Vec::with_capacity(pieces.len());
     for piece in pieces {

@@ -163,7 +163,7 @@ fn a_transparent_picture_laid_on_white_is_the_white_one() {
         if alpha < 255 && black {
             // Ground alone, laid over white as image programs do it: in sRGB.
             compared += 1;
-            shaded += i32::from(alpha > 40);
+            shaded += i32::from(alpha > 25);
             let on_white = 255 - alpha;
             assert!((on_white - i32::from(want[0])).abs() <= 1, "{on_white} for {}", want[0]);
         }

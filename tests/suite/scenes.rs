@@ -314,3 +314,17 @@ fn caps_that_are_said_to_lie_in_balls_do() {
     // Dashes and the inner sticks of rings have no ball.
     assert!(2 * hidden > ends_of_all, "{hidden} of {ends_of_all}");
 }
+
+#[test]
+fn a_cage_has_its_kekule_form_and_a_lone_five_membered_ring_keeps_its_ring() {
+    let counts = |name: &str| {
+        let (_, drawn) = molecules().into_iter().find(|(file, _)| file == name).unwrap();
+        let scene = Scene::new(&[Item::of(&drawn.structure)], &SceneOptions::default());
+        (scene.cylinder_count(), scene.blocks.iter().map(|block| block.tori.len()).sum::<usize>())
+    };
+    // 60 single bonds, 30 double ones between six-membered rings.
+    assert_eq!(counts("c60.xyz"), (60 + 2 * 30, 0));
+    assert_eq!(counts("ferrocene.xyz").1, 2);
+    // Of caffeine the five-membered ring; the other has two C=O.
+    assert_eq!(counts("benzene.xyz").1, 1);
+}

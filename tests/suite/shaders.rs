@@ -71,7 +71,7 @@ macro_rules! assert_same_layout {
 fn uniforms_have_the_same_bytes_in_rust_and_wgsl() {
     assert_same_layout!("common.wgsl", FrameConstants, "FrameConstants", [
         world_from_view "world_from_view", key "key", fill "fill", up "up", ambient "ambient",
-        background "background", depth "depth", ground_color "ground_color", ground "ground",
+        background "background", depth "depth", fog "fog", ground_color "ground_color", ground "ground",
         ground_center "ground_center", ground_map "ground_map", ground_map_size "ground_map_size",
         key_in_world "key_in_world", bounds_min "bounds_min", bounds_max "bounds_max", grid "grid", sky "sky",
         outline "outline", outline_color "outline_color",

@@ -64,16 +64,11 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 pub(super) use kekulise::kekulise;
+pub(crate) use rings::Ring;
 
 /// Gives an order to every covalent bond of heavy nonmetals that has none yet: those found by distance, and those of a
 /// partial list of the file that says nothing but which atoms are bonded. Marks the aromatic ones among these. If it is given up, some have none.
-pub(super) fn perceive(
-    elements: &[Element],
-    positions: &[Vec3],
-    cell: Option<&Cell>,
-    bonds: &mut [Bond],
-    stop: &Stop,
-) {
+pub(super) fn perceive(elements: &[Element], positions: &[Vec3], cell: Option<&Cell>, bonds: &mut [Bond], stop: &Stop) {
     if positions.len() != elements.len() {
         return;
     }
@@ -273,12 +268,7 @@ pub(super) fn charges(structure: &Structure, bonds: &[Bond], stop: &Stop) -> Vec
     parts::of_bonds(elements.len(), bonds).into_par_iter().with_max_len(1).map(of_part).collect::<Vec<_>>().concat()
 }
 
-fn charges_of_part(
-    elements: &[Element],
-    positions: &[Vec3],
-    lattice: Option<&Cell>,
-    bonds: &[Bond],
-) -> Vec<(u32, i8)> {
+fn charges_of_part(elements: &[Element], positions: &[Vec3], lattice: Option<&Cell>, bonds: &[Bond]) -> Vec<(u32, i8)> {
     let graph = Graph::new(elements, positions, bonds, lattice);
     let mut known = hydrogens_known(&graph, &vec![true; graph.atom_count()]);
     let order = |bond: u32| bonds[bond as usize].order.number();
@@ -310,7 +300,7 @@ pub fn aromatic_rings(structure: &Structure, bonds: &[Bond]) -> Vec<Vec<u32>> {
 
 /// The shortest rings through each of these bonds, up to `largest` atoms, each once: bonds (by index into `bonds`) and atoms in
 /// order. Rings with hydrogens or metals are none. Linear in the number of atoms.
-pub(crate) fn small_rings(structure: &Structure, bonds: &[Bond], largest: usize) -> Vec<rings::Ring> {
+pub(crate) fn small_rings(structure: &Structure, bonds: &[Bond], largest: usize) -> Vec<Ring> {
     rings::find(&Graph::new(structure.elements(), &[], bonds, None), |_| true, largest, &Stop::never())
 }
 

@@ -210,7 +210,7 @@ mod tests {
             pairs.iter().map(|&(a, b)| Bond::new(a, b, BondOrder::Single, BondSource::File)).collect();
         let elements = vec![Element::C; atoms];
         let graph = Graph::new(&elements, &[], &bonds, None);
-        find(&graph, |_| true, LARGEST_RING).iter().map(Ring::len).collect()
+        find(&graph, |_| true, LARGEST_RING, &Stop::never()).iter().map(Ring::len).collect()
     }
 
     #[test]

@@ -376,7 +376,7 @@ fn the_score_of_a_choice_is_the_sum_of_its_features_costs_and_lengths() {
     let molecule = structure(&benzene());
     let bonds = find(&molecule, 0, &BondOptions::default());
     let graph = Graph::new(molecule.elements(), molecule.positions().relative(), &bonds, None);
-    let rings = rings::find(&graph, |_| true, rings::LARGEST_RING);
+    let rings = rings::find(&graph, |_| true, rings::LARGEST_RING, &Stop::never());
     let setup = Setup::new(graph, &rings, &|_| true, &|_| true);
     let mut component = Component::new(&setup);
     component.read(0, f32::INFINITY);

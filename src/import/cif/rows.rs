@@ -89,7 +89,7 @@ impl<'a> RowReader<'_, 'a> {
         sites: &mut AtomSites,
         stop: &Stop,
     ) -> Result<(usize, u64)> {
-        let (mut at, mut lines) = (0, 0);
+        let (mut at, mut lines) = (0, 0u64);
         while at < text.len() && !(lines.is_multiple_of(LOOK_EVERY) && stop.is_set()) {
             let end = memchr(b'\n', &text[at..]).map_or(text.len(), |length| at + length);
             // The last line of a file may have been cut; what it is the tokens tell.

@@ -186,7 +186,8 @@ mod tests {
     #[test]
     fn the_size_limit_holds() {
         let limits = Limits { decompressed_bytes: 1000, ..Limits::default() };
-        let result = decompress(&gzip(&[b'x'; 1001]), &limits, &Stop::never(), &mut Diagnostics::default()).map(Cow::into_owned);
+        let result =
+            decompress(&gzip(&[b'x'; 1001]), &limits, &Stop::never(), &mut Diagnostics::default()).map(Cow::into_owned);
         assert!(matches!(result, Err(Error::Limit { .. })));
     }
 

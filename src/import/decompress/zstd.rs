@@ -172,7 +172,8 @@ mod tests {
         assert!(matches!(run(&bomb).0, Err(Error::Limit { .. })));
         assert!(matches!(run(&zstd(&bomb)).0, Err(Error::Limit { .. })));
         let limits = Limits { decompressed_bytes: 1000, ..Limits::default() };
-        let result = decompress(&zstd(&[b'x'; 1001]), &limits, &Stop::never(), &mut Diagnostics::default()).map(Cow::into_owned);
+        let result =
+            decompress(&zstd(&[b'x'; 1001]), &limits, &Stop::never(), &mut Diagnostics::default()).map(Cow::into_owned);
         assert!(matches!(result, Err(Error::Limit { .. })));
     }
 

@@ -57,7 +57,8 @@ impl<'a> Folder<'a> {
         }
         let opened = std::fs::File::open(&real).map_err(io_error)?;
         let left = self.bytes_left.get();
-        let bytes = file::read_all(opened, metadata.len().min(left), left.saturating_add(1), &Stop::never()).map_err(io_error)?;
+        let bytes = file::read_all(opened, metadata.len().min(left), left.saturating_add(1), &Stop::never())
+            .map_err(io_error)?;
         let count = bytes.len() as u64;
         if count > left {
             return Err(too_large(self.limit));

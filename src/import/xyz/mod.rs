@@ -112,7 +112,7 @@ impl Reader {
         let comment = comment::read(comment_line, lines.number(), diagnostics);
         let mut frame = Frame::new(&comment);
         let mut index = 0;
-        while index < count {
+        while index < count && !lines.is_given_up() {
             index += frame.plain_run(lines, count - index, &comment, &mut self.notes);
             if index == count {
                 break;

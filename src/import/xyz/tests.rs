@@ -96,7 +96,8 @@ fn a_count_is_a_claim_not_a_fact() {
     for count in ["2147483647", "18446744073709551615", "99999999999999999999999"] {
         assert!(read(&format!("{count}\n\nC 0 0 0\n")).is_err());
     }
-    let options = ImportOptions { limits: crate::import::Limits { atoms: 1, ..Default::default() }, ..ImportOptions::default() };
+    let options =
+        ImportOptions { limits: crate::import::Limits { atoms: 1, ..Default::default() }, ..ImportOptions::default() };
     let error = read_bytes(b"2\n\nC 0 0 0\nC 0 0 1\n", "", &options).unwrap_err();
     assert!(matches!(error, Error::Limit { .. }), "{error}");
     assert!(read("0\n\n").is_err());

@@ -169,6 +169,9 @@ fn read_part(part: &Part<'_>, first: &Frame, comment: &Comment) -> Option<(Frame
     let mut lines = part.lines.clone();
     let mut atoms = frame.plain_run(&mut lines, part.atoms, comment, &mut notes);
     while atoms < part.atoms {
+        if lines.is_given_up() {
+            return None;
+        }
         let line = lines.next()?;
         frame.atom(line, lines.number(), comment, &mut notes).ok()?;
         atoms += 1;

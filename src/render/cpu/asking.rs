@@ -4,7 +4,7 @@
 use super::behind::{Mask, behind};
 use super::bodies::{Axes, Body, InView};
 use super::casters::Sight;
-use super::lanes::{LANES, Lanes};
+use super::lanes::{LANES, Lanes, bits};
 use super::reach::{Lights, Points, facing, share};
 use crate::math::{max, min, whole};
 use crate::render::settings::View;
@@ -130,47 +130,43 @@ impl Questions<'_> {
     ) {
         let tubes = &sight.tubes;
         let most = [(tubes.size[0] - 1) as f32, (tubes.size[1] - 1) as f32];
-        let (facing, mut free) = facing(points, axes.toward);
-        let (mut weight, mut tube, mut asking) = ([0.0f32; LANES], [0u32; LANES], 0);
-        for lane in 0..LANES {
-            weight[lane] = if is_weighted != 0 { facing[lane] } else { 1.0 };
-            all[lane] += weight[lane];
-            asking |= free[lane];
+        let (facing, asks) = facing(points, axes.toward);
+        let mut left = bits(|lane| asks[lane] != 0);
+        let mut weight = [1.0; LANES];
+        if is_weighted != 0 {
+            weight = facing;
         }
-        if asking == 0 {
+        for lane in 0..LANES {
+            all[lane] += weight[lane];
+        }
+        if left == 0 {
             return;
         }
-        let at = axes.places(&points.position);
+        let (at, mut tube) = (axes.places(&points.position), [0u32; LANES]);
         for (lane, tube) in tube.iter_mut().enumerate() {
             let column = (at.x[lane] - tubes.corner[0]) * tubes.per_angstrom;
             let row = (at.y[lane] - tubes.corner[1]) * tubes.per_angstrom;
             let (column, row) = (min(max(column.floor(), 0.0), most[0]), min(max(row.floor(), 0.0), most[1]));
             *tube = whole(row) * tubes.size[0] + whole(column);
         }
-        let exactly = |index: u32, free: &mut Mask| {
+        let exactly = |index: u32, free: &mut u32| {
             if self.asking.solids.hides(index as usize, sample, self.samples) {
-                behind(&self.asking.solids, index, axes.toward, &points.position, free);
+                let mut lanes: Mask = std::array::from_fn(|lane| if *free >> lane & 1 != 0 { u32::MAX } else { 0 });
+                behind(&self.asking.solids, index, axes.toward, &points.position, &mut lanes);
+                *free = bits(|lane| lanes[lane] != 0);
             }
         };
         // The lanes of one tube at a time; neighbouring pixels mostly share one.
+        let mut sees = 0;
+        while left != 0 {
+            let first = tube[left.trailing_zeros() as usize % LANES];
+            let mut here = bits(|lane| tube[lane] == first) & left;
+            left &= !here;
+            sight.walk(first, &at, &mut here, exactly);
+            sees |= here;
+        }
         for lane in 0..LANES {
-            if free[lane] == 0 {
-                continue;
-            }
-            let (mut here, mut others) = ([0u32; LANES], 0);
-            for other in 0..LANES {
-                let same = tube[other] == tube[lane];
-                here[other] = if same { free[other] } else { 0 };
-                others |= if same { 0 } else { free[other] };
-                free[other] = if same { 0 } else { free[other] };
-            }
-            sight.walk(tube[lane], &at, &mut here, exactly);
-            for other in 0..LANES {
-                seen[other] += if here[other] != 0 { weight[other] } else { 0.0 };
-            }
-            if others == 0 {
-                break;
-            }
+            seen[lane] += if sees >> lane & 1 != 0 { weight[lane] } else { 0.0 };
         }
     }
 }

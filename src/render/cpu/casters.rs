@@ -4,9 +4,8 @@
 //! Good for up to some ten thousand primitives, which stay in the caches for all directions; beyond that see [`super::rays`]. What is
 //! neither ball nor stick, or see-through, is met only by its bounding disc here, and asked exactly where that is met.
 
-use super::behind::Mask;
 use super::bodies::{Axes, Body, Places};
-use super::lanes::{LANES, low_of};
+use super::lanes::{LANES, bits, low_of};
 use crate::math::{max, min};
 use crate::render::solids::Solids;
 use crate::render::tubes::{Bound, Span, Tubes};
@@ -105,29 +104,27 @@ impl Sight {
         (size_of::<Caster>() + 4 * size_of::<u32>()) * primitives
     }
 
-    /// Clears the lanes of `free` whose light something in a tube stands in the way of. `exactly` does so for a primitive of
+    /// Clears the bits of `free` whose light something in a tube stands in the way of. `exactly` does so for a primitive of
     /// which only the bounding disc is known here.
     #[inline(always)]
-    pub(super) fn walk(&self, tube: u32, at: &Places, free: &mut Mask, exactly: impl Fn(u32, &mut Mask)) {
+    pub(super) fn walk(&self, tube: u32, at: &Places, free: &mut u32, exactly: impl Fn(u32, &mut u32)) {
         let mut heights = [0.0f32; LANES];
-        for lane in 0..LANES {
-            heights[lane] = if free[lane] != 0 { at.height[lane] } else { f32::INFINITY };
+        for (lane, height) in heights.iter_mut().enumerate() {
+            *height = if *free >> lane & 1 != 0 { at.height[lane] } else { f32::INFINITY };
         }
         let low = low_of(&heights);
-        // Some at a time: whether any lane is left takes as long to find out as three of them.
-        for some in self.tubes.of(tube as usize).chunks(4) {
-            for &index in some {
-                let caster = &self.casters[index as usize];
-                if caster.length >= 0.0 {
-                    caster.hide(at, free);
-                } else if caster.height > low && caster.is_near(at, free) {
-                    exactly(index, free);
-                }
+        for &index in self.tubes.of(tube as usize) {
+            let caster = &self.casters[index as usize];
+            // Where one does not reach up to the points, none of those after it does.
+            if caster.height <= low {
+                break;
             }
-            let left = free.iter().fold(0, |left, free| left | free);
-            // Where the last one does not reach up to the points, none of those after it does.
-            let reaches = some.last().is_some_and(|&last| self.casters[last as usize].height > low);
-            if left == 0 || !reaches {
+            if caster.length >= 0.0 {
+                *free &= !caster.hides(at);
+            } else if caster.is_near(at, *free) {
+                exactly(index, free);
+            }
+            if *free == 0 {
                 break;
             }
         }
@@ -135,29 +132,27 @@ impl Sight {
 }
 
 impl Caster {
-    /// Clears the lanes in its shadow.
+    /// The lanes in its shadow.
     #[inline(always)]
-    fn hide(&self, at: &Places, free: &mut Mask) {
-        for (lane, free) in free.iter_mut().enumerate() {
+    fn hides(&self, at: &Places) -> u32 {
+        bits(|lane| {
             let (dx, dy) = (at.x[lane] - self.x, at.y[lane] - self.y);
             let along = dx * self.ux + dy * self.uy;
             let aside = dx * self.uy - dy * self.ux;
             let nearest = min(max(along, 0.0), self.length);
             let beyond = along - nearest;
             let axis = self.height + nearest * self.slope;
-            let hides = (beyond * beyond + aside * aside < self.radius_squared) & (at.height[lane] < axis);
-            *free = if hides { 0 } else { *free };
-        }
+            (beyond * beyond + aside * aside < self.radius_squared) & (at.height[lane] < axis)
+        })
     }
 
     /// Whether a free lane is in its bounding disc.
     #[inline(always)]
-    fn is_near(&self, at: &Places, free: &Mask) -> bool {
-        let mut near = 0;
-        for (lane, &free) in free.iter().enumerate() {
+    fn is_near(&self, at: &Places, free: u32) -> bool {
+        let near = bits(|lane| {
             let (dx, dy) = (at.x[lane] - self.x, at.y[lane] - self.y);
-            near |= if dx * dx + dy * dy <= self.radius_squared { free } else { 0 };
-        }
-        near != 0
+            dx * dx + dy * dy <= self.radius_squared
+        });
+        near & free != 0
     }
 }

@@ -17,7 +17,7 @@ mod casters;
 mod clusters;
 mod facts;
 mod few;
-mod ground_in_motion;
+mod ground;
 mod hiders;
 pub mod intersect;
 mod lanes;
@@ -189,10 +189,10 @@ impl CpuRenderer {
                 true => Field::of_copies(scene, &self.block_fields),
                 false => Field::new(scene),
             });
-            let Some(sky_frame) = sky_frame else { return (*frame, field.ground_map(frame)) };
+            let Some(sky_frame) = sky_frame else { return (*frame, ground::ground_map(field, frame)) };
             let kept = self.sky_map.take().filter(|(old, _)| old.same_ground_map(&sky_frame));
             let sky = self.sky_map.insert(kept.unwrap_or_else(|| (sky_frame, field.sky_map(&sky_frame))));
-            (*frame, ground_in_motion::quick_ground_map(field, frame, sky))
+            (*frame, ground::quick_ground_map(field, frame, sky))
         }));
         map.clone()
     }

@@ -21,7 +21,6 @@ use crate::render::solids::{Cylinder, Solids, Sphere, Torus, is_see_through};
 use crate::scene::{Block, CylinderInstance, Scene, SphereInstance, TorusInstance};
 use glam::{Affine3A, Vec3, Vec3A};
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Balls, sticks and rings of a pack. Chosen, other numbers were not tried: 32 atoms of a protein with their bonds are some 9 Å wide, and a million
 /// atoms make 32,000 packs.
@@ -120,18 +119,24 @@ impl BlockPacks {
         let around = (0..count).into_par_iter().with_min_len(4096).map(|i| (middle(i), middle(i)));
         let join = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
         let (low, high) = around.reduce(|| (Vec3::INFINITY, Vec3::NEG_INFINITY), join);
-        let scale = 2_097_151.0 / (high - low).max_element().max(1e-6);
+        // The place on the curve, as finely as there is room beside the index: one number is sorted faster than two.
+        let index_bits = usize::BITS - count.leading_zeros();
+        let side = (1u32 << ((64 - index_bits) / 3)) - 1;
+        let scale = side as f32 / (high - low).max_element().max(1e-6);
         // Casts clamp, and make 0 of what is no number.
         let key = |i: usize| {
-            let [x, y, z] = ((middle(i) - low) * scale).to_array().map(|x| spread(x as u32));
-            (x | y << 1 | z << 2, i as u32)
+            let [x, y, z] = ((middle(i) - low) * scale).to_array().map(|x| spread((x as u32).min(side)));
+            (x | y << 1 | z << 2) << index_bits | i as u64
         };
-        let mut order: Vec<(u64, u32)> = (0..count).into_par_iter().with_min_len(4096).map(key).collect();
-        order.par_sort_unstable();
-        let chunk = |(number, chunk): (usize, &mut [(u64, u32)])| {
-            chunk.sort_unstable_by_key(|&(_, i)| i);
-            let around = chunk.iter().fold(Aabb::EMPTY, |all, &(_, i)| all.union(bounds(i as usize)));
-            let before = |end: usize| chunk.iter().filter(|&&(_, i)| (i as usize) < end).count();
+        let mut keys: Vec<u64> = (0..count).into_par_iter().with_min_len(4096).map(key).collect();
+        keys.par_sort_unstable();
+        let index = |&key: &u64| (key & ((1 << index_bits) - 1)) as u32;
+        let mut order: Vec<u32> = keys.par_iter().with_min_len(4096).map(index).collect();
+        drop(keys);
+        let chunk = |(number, chunk): (usize, &mut [u32])| {
+            chunk.sort_unstable();
+            let around = chunk.iter().fold(Aabb::EMPTY, |all, &i| all.union(bounds(i as usize)));
+            let before = |end: usize| chunk.iter().filter(|&&i| (i as usize) < end).count();
             let (spheres, simple) = (before(first_cylinder as usize), before(first_torus));
             Pack {
                 center: around.center(),
@@ -142,7 +147,7 @@ impl BlockPacks {
                 spheres: spheres as u8,
                 cylinders: (simple - spheres) as u8,
                 tori: (chunk.len() - simple) as u8,
-                are_flat: chunk[spheres..simple].iter().all(|&(_, i)| match kind(i as usize) {
+                are_flat: chunk[spheres..simple].iter().all(|&i| match kind(i as usize) {
                     Member::Cylinder(cylinder) => cylinder.caps == FLAT_CAPS,
                     Member::Sphere(_) | Member::Torus(_) => true,
                 }),
@@ -155,41 +160,45 @@ impl BlockPacks {
             first_ball += u32::from(pack.spheres);
             first_stick += u32::from(pack.cylinders);
         }
-        // In their order, and some more that nobody looks at.
-        let of = |range: Range<usize>, number: &dyn Fn(usize) -> f32| -> Vec<f32> {
-            let members = order.iter().map(|&(_, i)| i as usize).filter(|i| range.contains(i));
-            members.map(number).chain([0.0; LANES]).collect()
-        };
-        let ball = |number: &dyn Fn(&SphereInstance) -> f32| of(0..spheres.len(), &|i| number(&spheres[i]));
-        let stick = |number: &dyn Fn(&CylinderInstance) -> f32| {
-            of(spheres.len()..first_torus, &|i| number(&cylinders[i - spheres.len()]))
-        };
-        let balls = [ball(&|s| s.center[0]), ball(&|s| s.center[1]), ball(&|s| s.center[2]), ball(&|s| s.radius)];
-        let sticks = [
-            stick(&|c| c.a[0]),
-            stick(&|c| c.a[1]),
-            stick(&|c| c.a[2]),
-            stick(&|c| c.b[0]),
-            stick(&|c| c.b[1]),
-            stick(&|c| c.b[2]),
-            stick(&|c| c.radius),
-        ];
-        let ordered = order.iter().map(|&(_, i)| kind(i as usize));
-        let (mut ball_colors, mut stick_colors) =
+        // In their order.
+        let (mut ball_order, mut stick_order) =
             (Vec::with_capacity(spheres.len()), Vec::with_capacity(cylinders.len()));
-        for member in ordered {
-            match member {
-                Member::Sphere(sphere) => ball_colors.push(sphere.color),
-                Member::Cylinder(cylinder) => stick_colors.push([cylinder.color_a, cylinder.color_b]),
-                Member::Torus(_) => {}
+        for &i in &order {
+            match (i as usize).checked_sub(spheres.len()) {
+                None => ball_order.push(i),
+                Some(i) if i < cylinders.len() => stick_order.push(i as u32),
+                Some(_) => {}
             }
         }
+        // With some more that nobody looks at.
+        let numbers = |order: &[u32], number: &(dyn Fn(usize) -> f32 + Sync)| {
+            let mut numbers = vec![0.0; order.len() + LANES];
+            let places = numbers.par_iter_mut().zip(order).with_min_len(4096);
+            places.for_each(|(place, &i)| *place = number(i as usize));
+            numbers
+        };
+        let ball = |number: fn(&SphereInstance) -> f32| numbers(&ball_order, &|i| number(&spheres[i]));
+        let stick = |number: fn(&CylinderInstance) -> f32| numbers(&stick_order, &|i| number(&cylinders[i]));
+        let balls = [ball(|s| s.center[0]), ball(|s| s.center[1]), ball(|s| s.center[2]), ball(|s| s.radius)];
+        let sticks = [
+            stick(|c| c.a[0]),
+            stick(|c| c.a[1]),
+            stick(|c| c.a[2]),
+            stick(|c| c.b[0]),
+            stick(|c| c.b[1]),
+            stick(|c| c.b[2]),
+            stick(|c| c.radius),
+        ];
+        let of_ball = ball_order.par_iter().with_min_len(4096);
+        let ball_colors = of_ball.map(|&i| spheres[i as usize].color).collect();
+        let of_stick = stick_order.par_iter().with_min_len(4096);
+        let stick_colors = of_stick.map(|&i| &cylinders[i as usize]).map(|c| [c.color_a, c.color_b]).collect();
         let own = |i: u32| match kind(i as usize) {
             Member::Sphere(_) => i,
             Member::Cylinder(_) => i - first_cylinder,
             Member::Torus(_) => i - first_torus as u32,
         };
-        let members = order.iter().map(|&(_, i)| own(i)).collect();
+        let members = order.par_iter().with_min_len(4096).map(|&i| own(i)).collect();
         BlockPacks { packs, members, balls, sticks, ball_colors, stick_colors }
     }
 }

@@ -178,7 +178,7 @@ fn add_samples(
                 continue;
             };
             if index & RIM != 0 {
-                *sum += shader.outline(t);
+                *sum += shader.outline(&ray, t);
                 continue;
             }
             let normal = shader.surface(&ray, index, t).normal;

@@ -479,23 +479,27 @@ fn others(
 #[inline(always)]
 fn light(shader: &Shader<'_>, parallel: bool, surfaces: &Surfaces, points: &Points) -> [Lanes; 3] {
     let Surfaces { samples, albedo, .. } = surfaces;
-    let (unasked, slope) = (shader.frame.unasked(), if parallel { 0.0 } else { 1.0 });
+    // As in `hits`.
+    let (unasked, [start, slope]) = (shader.frame.unasked(), if parallel { [1.0, 0.0] } else { [0.0, 1.0] });
     let (mut open, mut key, mut direction) = ([0.0f32; LANES], [0.0f32; LANES], [[0.0f32; LANES]; 2]);
-    let mut seen = [0.0f32; LANES];
+    let (mut seen, mut position) = ([0.0f32; LANES], [[0.0f32; LANES]; 3]);
     for lane in 0..LANES {
         open[lane] = if points.asks[lane] > 0.0 { points.told[0][lane] } else { unasked.open };
         key[lane] = if points.asks[lane] > 0.0 { points.told[1][lane] } else { unasked.key };
+        let aside = start + slope * samples.t[lane];
+        (position[0][lane], position[1][lane]) = (samples.u[lane] * aside, samples.v[lane] * aside);
+        position[2][lane] = -samples.t[lane];
         direction[0][lane] = samples.u[lane] * slope;
         direction[1][lane] = samples.v[lane] * slope;
         seen[lane] = if samples.seen[lane] != 0 { 1.0 } else { 0.0 };
     }
-    let (depth, normal) = (&samples.t, &points.normal);
-    let told = frame::Surfaces { depth, normal, albedo, open: &open, key: &key, direction: &direction };
+    let (position, normal) = (&position, &points.normal);
+    let told = frame::Surfaces { position, normal, albedo, open: &open, key: &key, direction: &direction };
     let mut light = shade_surfaces(shader.frame, &told);
     if shader.outlined.is_some() {
         for (lane, &index) in samples.index.iter().enumerate() {
             if index & RIM != 0 {
-                let line = shade_outline(shader.frame, samples.t[lane]);
+                let line = shade_outline(shader.frame, position.map(|part| part[lane]).into());
                 light.iter_mut().zip(line.to_array()).for_each(|(part, line)| part[lane] = line);
             }
         }

@@ -81,15 +81,15 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Colour of a line at this depth.
-    pub(super) fn outline(&self, t: f32) -> Vec4 {
-        Vec4::from((shade_outline(self.frame, t), 1.0))
+    /// Colour of a line at this depth of a ray.
+    pub(super) fn outline(&self, ray: &Ray, t: f32) -> Vec4 {
+        Vec4::from((shade_outline(self.frame, ray.origin + ray.direction * t), 1.0))
     }
 
     /// Linear colour of a primitive's hit that is seen.
     pub(super) fn primitive(&self, ray: &Ray, index: u32, t: f32, reach: Reach) -> Vec4 {
         let surface = self.surface(ray, index, t);
-        Vec4::from((shade_surface(self.frame, &surface, reach, ray.direction), 1.0))
+        Vec4::from((shade_surface(self.frame, &surface, reach, ray), 1.0))
     }
 
     /// Depths at which the rays of plane coordinates meet the ground, infinity where they do not.
