@@ -109,7 +109,7 @@
 //! - A trajectory's bonds are those of its structure file in that file's own coordinates, where a cell counts only if that file states it. Hydrogen bonds across the cell's faces are
 //!   not drawn in its frames, nor are networks without end the same atoms in each. Compressed trajectories are unpacked into memory, and `convert` writes none.
 //! - Before a large file is read the window shows some of its atoms ([`import::Glimpse`]), but of compressed files and other formats than XYZ, PDB, mmCIF and GRO none, and none over
-//!   what is open already. How far reading a file is can be told by its steps only; one that is given up is read to its end, unseen.
+//!   what is open already. How far reading a file is can be told by its steps only. One that is given up ends soon, but JSON is parsed to its end.
 //! - The ground's shadow grades by distance, not by width: a wire's is as dark as a ball's.
 //! - Large pictures are drawn in strips, each of which sorts all primitives anew. JPEG and WebP are gathered in memory, 3 or 4 bytes a
 //!   pixel. If a device is lost in the middle, the CPU draws the rest of the picture, while its metadata names the device.

@@ -107,6 +107,9 @@ fn begun(arguments: &[OsString]) -> Begun {
     }
     let command = cli.command.unwrap_or(Command::View(Box::new(cli.view)));
     let works = matches!(command, Command::Render(_) | Command::Info(_) | Command::Convert(_));
+    if works && memory::process_bound().is_none() {
+        process::keep_memory();
+    }
     process::prepare(!(works && apart::is_tight()));
     if let Some(warning) = render::environment_warning().filter(|_| apart::own_input().is_none()) {
         report.line(&format!("ballstick: warning: {warning}"));
