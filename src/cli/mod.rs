@@ -107,7 +107,9 @@ fn begun(arguments: &[OsString]) -> Begun {
     }
     let command = cli.command.unwrap_or(Command::View(Box::new(cli.view)));
     let works = matches!(command, Command::Render(_) | Command::Info(_) | Command::Convert(_));
-    if works && memory::process_bound().is_none() {
+    // Of many files the next one would have to live with what the last ones left (a fourth more at the peak, no time gained).
+    let is_one = matches!(&command, Command::Render(args) if args.files.len() == 1);
+    if is_one && memory::process_bound().is_none() {
         process::keep_memory();
     }
     process::prepare(!(works && apart::is_tight()));

@@ -5,7 +5,7 @@
 //! - **Signals** (Unix). Ctrl+C, `kill` and a closed terminal end the program at once, by the signal, so that a shell sees 130, 143 or 129;
 //!   files that are not finished are taken away first. What the parent has told us to ignore (`nohup`) stays ignored.
 //! - **Addresses** (Linux). Where there are few (`ulimit -v`), threads share one pool of memory.
-//! - **Memory** (Linux). What is freed is kept for what comes next: pages that go back to the system have to be cleared anew.
+//! - **Memory** (Linux). Of one picture what is freed is kept for what comes next: pages that go back to the system have to be cleared anew.
 //! - **Stack** (Unix). The first thread has what the system gives it (`ulimit -s`); where that is little, another one does the work.
 //! - **File sizes** (Unix). A file that grows past `ulimit -f` is an error of that file, not the end of the program.
 
