@@ -162,6 +162,10 @@ impl<'a> RowReader<'_, 'a> {
                 tokens.at += bytes;
                 tokens.line += lines;
             }
+            // What follows would be read row by row up to where the tokens look next.
+            if tokens.stop.is_set() {
+                return Ok(());
+            }
             let mut row_line = None;
             for index in 0..width {
                 let before = *tokens;
