@@ -91,7 +91,7 @@ impl Fixed {
     /// Finds the bonds in the structure's first frame, in which the symmetry of a crystal counts; frames have none.
     #[must_use]
     pub fn new(structure: Structure, options: &CrystalOptions) -> Fixed {
-        Fixed::of(structure, options, |structure, bonds| bonds::assign(structure, &bonds))
+        Fixed::until(structure, options, &Stop::never())
     }
 
     /// The same unless it is given up.
@@ -99,20 +99,17 @@ impl Fixed {
     /// # Errors
     /// [`Error::Stopped`].
     pub fn new_unless(structure: Structure, options: &CrystalOptions, stop: &Stop) -> Result<Fixed> {
-        let fixed = Fixed::of(structure, options, |structure, bonds| bonds::assign_until(structure, &bonds, stop));
+        let fixed = Fixed::until(structure, options, stop);
         stop.check()?;
         Ok(fixed)
     }
 
-    fn of(
-        structure: Structure,
-        options: &CrystalOptions,
-        assign: impl FnOnce(Structure, BondOptions) -> Structure,
-    ) -> Fixed {
+    /// The same; if it is given up, with some of the bonds.
+    fn until(structure: Structure, options: &CrystalOptions, stop: &Stop) -> Fixed {
         // One that is too large is drawn as listed: there is no frame of it that could be drawn.
         let copies = super::assembly(&structure, options).ok().flatten();
         let once = BondOptions { hydrogen_bonds: false, ..options.bonds };
-        let structure = assign(structure, once).without_symmetry();
+        let structure = bonds::assign_until(structure, &once, stop).without_symmetry();
         let mut vectors = Vec::new();
         if let Some(cell) = structure.lattice(0) {
             let at = fractional_positions(&structure, cell);

@@ -53,8 +53,8 @@ pub struct ImportOptions {
     pub limits: Limits,
     /// The format; `None` finds it out from the content, then from the extension. Default: `None`.
     pub format: Option<Format>,
-    /// By which reading can be given up from another thread: it then ends soon, with [`Error::Stopped`]. (Only JSON is parsed to its end.)
-    /// Default: never.
+    /// By which reading can be given up from another thread: it then ends soon, with [`Error::Stopped`]. Only JSON, and a mesh once it is in
+    /// memory, are parsed to their end. Default: never.
     pub stop: Stop,
 }
 

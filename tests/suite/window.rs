@@ -153,10 +153,10 @@ fn the_window_shows_turns_zooms_and_saves_what_render_draws() {
         for step in steps {
             xdotool(&display, step);
         }
-        std::thread::sleep(Duration::from_millis(200));
-        let picture = screenshot(&display, next());
-        assert!(!seen.contains(&picture), "{what} changes the picture");
-        seen.push(picture);
+        // What is shown follows soon, but how soon the machine decides.
+        seen.push(wait_for(&format!("{what} to change the picture"), || {
+            Some(screenshot(&display, next())).filter(|picture| !seen.contains(picture))
+        }));
     };
     changed("a left drag", &[&["mousedown", "1"], &["mousemove", "260", "170"], &["mouseup", "1"]]);
     changed("a right drag", &[&["mousedown", "3"], &["mousemove", "230", "150"], &["mouseup", "3"]]);
@@ -169,8 +169,7 @@ fn the_window_shows_turns_zooms_and_saves_what_render_draws() {
     for key in ["o", "g", "r"] {
         xdotool(&display, &["key", key]);
     }
-    std::thread::sleep(Duration::from_millis(200));
-    assert!(screenshot(&display, next()) == first, "reset brings the first view back");
+    wait_for("reset to bring the first view back", || (screenshot(&display, next()) == first).then_some(()));
 
     // A session keeps style and view, and another window shows the same.
     changed("licorice from the side", &[&["key", "2"], &["key", "Left"], &["key", "Left"]]);

@@ -99,31 +99,16 @@ fn perceive_part(elements: &[Element], positions: &[Vec3], cell: Option<&Cell>, 
     }
     let graph = Graph::new(elements, positions, bonds, cell);
     let by_rule = inorganic::find(&graph, &is_open);
-    let found = 'found: {
-        let graph = if by_rule.is_empty() {
-            graph
-        } else {
-            for (bond, order) in by_rule {
-                bonds[bond as usize].order = BondOrder::from_number(u32::from(order));
-                is_open[bond as usize] = false;
-            }
-            Graph::new(elements, positions, bonds, cell)
-        };
-        let Some(reach) = reach(&graph, &is_open) else { break 'found None };
-        let rings = rings::find(&graph, |atom| reach[atom], rings::LARGEST_RING, stop);
-        if stop.is_set() {
-            return;
+    let graph = if by_rule.is_empty() {
+        graph
+    } else {
+        for (bond, order) in by_rule {
+            bonds[bond as usize].order = BondOrder::from_number(u32::from(order));
+            is_open[bond as usize] = false;
         }
-        let known = hydrogens_known(&graph, &reach);
-        let setup = Setup::new(graph, &rings, &|atom| known[atom], &|bond| is_open[bond]);
-        let orders = best_orders(&setup, stop);
-        if stop.is_set() {
-            return;
-        }
-        let aromatic = aromatic_bonds(&setup.graph, &rings, &orders, &|atom| known[atom]);
-        Some((orders, aromatic))
+        Graph::new(elements, positions, bonds, cell)
     };
-    let (orders, aromatic) = found.unwrap_or_default();
+    let Found { orders, aromatic } = by_model(graph, &is_open, stop).unwrap_or_default();
     for (bond, order) in orders {
         bonds[bond as usize].order = BondOrder::from_number(u32::from(order));
     }
@@ -135,6 +120,31 @@ fn perceive_part(elements: &[Element], positions: &[Vec3], cell: Option<&Cell>, 
     for (bond, _) in bonds.iter_mut().zip(&is_open).filter(|(bond, open)| **open && bond.order == BondOrder::Unknown) {
         bond.order = BondOrder::Single;
     }
+}
+
+/// What the model says of bonds.
+#[derive(Default)]
+struct Found {
+    /// Bond and order.
+    orders: Vec<(u32, u8)>,
+    aromatic: Vec<u32>,
+}
+
+/// What the model says of the open bonds; `None` where no bond may be more than single, or if it is given up.
+fn by_model(graph: Graph<'_>, is_open: &[bool], stop: &Stop) -> Option<Found> {
+    let reach = reach(&graph, is_open)?;
+    let rings = rings::find(&graph, |atom| reach[atom], rings::LARGEST_RING, stop);
+    if stop.is_set() {
+        return None;
+    }
+    let known = hydrogens_known(&graph, &reach);
+    let setup = Setup::new(graph, &rings, &|atom| known[atom], &|bond| is_open[bond]);
+    let orders = best_orders(&setup, stop);
+    if stop.is_set() {
+        return None;
+    }
+    let aromatic = aromatic_bonds(&setup.graph, &rings, &orders, &|atom| known[atom]);
+    Some(Found { orders, aromatic })
 }
 
 /// The bonds whose orders are to be found.
@@ -261,20 +271,26 @@ pub(super) fn charges(structure: &Structure, bonds: &[Bond], stop: &Stop) -> Vec
         let own = bonds[own].iter().map(|&bond| parts::renumbered(bond, |atom| atom - first)).collect::<Vec<_>>();
         let found = match stop.is_set() {
             true => Vec::new(),
-            false => charges_of_part(&elements[atoms.clone()], &positions[atoms], lattice, &own),
+            false => charges_of_part(&elements[atoms.clone()], &positions[atoms], lattice, &own, stop),
         };
         found.into_iter().map(|(atom, charge)| (atom + first, charge)).collect::<Vec<_>>()
     };
     parts::of_bonds(elements.len(), bonds).into_par_iter().with_max_len(1).map(of_part).collect::<Vec<_>>().concat()
 }
 
-fn charges_of_part(elements: &[Element], positions: &[Vec3], lattice: Option<&Cell>, bonds: &[Bond]) -> Vec<(u32, i8)> {
+fn charges_of_part(
+    elements: &[Element],
+    positions: &[Vec3],
+    lattice: Option<&Cell>,
+    bonds: &[Bond],
+    stop: &Stop,
+) -> Vec<(u32, i8)> {
     let graph = Graph::new(elements, positions, bonds, lattice);
     let mut known = hydrogens_known(&graph, &vec![true; graph.atom_count()]);
     let order = |bond: u32| bonds[bond as usize].order.number();
     charges::complete(&graph, &order, &mut known);
     let rings = match charges::may_have_ions_of_rings(&graph, &order, &|atom| known[atom]) {
-        true => rings::find(&graph, |atom| charges::is_flat_carbon(&graph, atom), rings::LARGEST_RING, &Stop::never()),
+        true => rings::find(&graph, |atom| charges::is_flat_carbon(&graph, atom), rings::LARGEST_RING, stop),
         false => Vec::new(),
     };
     charges::find(&graph, &rings, &order, &|atom| known[atom])
